@@ -1,0 +1,71 @@
+// The folder that a bake writes and the cooker reads (also what other tools can write): images, and bake.json
+// for the rest. All images are OpenEXR written and read through OpenImageIO, linear, white units.
+//
+//   bake.json                  what, how, and from which input (hash); written last
+//   btf/view_VVVV.exr          per view: an atlas of light images, half RGB, columns = ceil(sqrt(lights)),
+//                              light l in cell (l % columns, l / columns); cell = size x size; row 0 is y = 0
+//   flat/view_VVVV.exr         the same over p, cell = flat_size x flat_size, holes filled
+//   visible/view_VVVV.png      8 bit, flat_size x flat_size: share of the texel's surface that this view sees
+//                              (0 = undefined before filling)
+//   vdim/latlong_ZxA.exr       float, channels: per (zenith z, azimuth a) a cell of size x size with
+//                              p - x (2 channels), cell (a, z); views as PaperVdim lays them out
+//   surface/geometry.exr       float: X - p.x, Y - p.y, Z, chart over p, geometry_size squared
+//   surface/normal.exr, diffuse.exr (RGB), specular.exr (strength, exponent): over p, flat_size squared
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "importer/tile.h"
+#include "material/directions.h"
+#include "material/result.h"
+
+namespace loden::importer {
+
+struct BakeManifest {
+  std::string tile;         // as given to `loden bake`
+  std::string input_hash;   // XXH3-128 of the tile's geometry, hex
+  int size = 64;            // reference texels per side
+  int flat_size = 64;
+  int geometry_size = 128;
+  int supersample = 2;
+  int bounces = 0;
+  DirectionSet directions;  // lights and views alike
+  std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
+  bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;
+  bool identity_parameterization = false;
+};
+
+// A finished baked output, read view by view (a 256 x 256 one does not fit in memory at once).
+class BakedOutput {
+ public:
+  static Result<BakedOutput> open(const std::filesystem::path& folder);
+
+  const BakeManifest& manifest() const { return manifest_; }
+  const std::filesystem::path& folder() const { return folder_; }
+
+  // [light][texel] linear RGB of one view; texel = j * size + i.
+  Result<std::vector<glm::vec3>> btfView(int view) const;
+  Result<std::vector<glm::vec3>> flatView(int view) const;
+  // [flat texel], 0..1.
+  Result<std::vector<float>> visibleView(int view) const;
+  // [zenith][azimuth][texel] p - x.
+  Result<std::vector<glm::vec2>> vdim(int zeniths, int azimuths) const;
+  // [geometry texel] (X - p.x, Y - p.y, Z, chart).
+  Result<std::vector<glm::vec4>> geometry() const;
+  struct Surface {
+    std::vector<glm::vec3> normal, diffuse;  // [flat texel]
+    std::vector<glm::vec2> specular;         // strength, exponent
+  };
+  Result<Surface> surface() const;
+
+ private:
+  std::filesystem::path folder_;
+  BakeManifest manifest_;
+};
+
+}  // namespace loden::importer

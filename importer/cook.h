@@ -1,0 +1,28 @@
+// From a baked output to a material: the fits of both papers and their combination.
+#pragma once
+
+#include <string>
+
+#include "importer/baked_output.h"
+#include "material/material.h"
+#include "material/result.h"
+
+namespace loden::importer {
+
+enum class Preset { kSeed, kGame, kReference };
+
+struct CookOptions {
+  Mode mode = Mode::kFused;
+  Preset preset = Preset::kGame;
+  int y_components = 0, cb_components = 0, cr_components = 0;  // 0: the preset's
+  int levels = 0;            // 0: the preset's
+  uint64_t max_bytes = 0;    // goal; 0: none. Bytes of all raw data in the file
+  double target_rmse = 0;    // goal on Y, white = 1; 0: none
+  int threads = 0;
+  bool quiet = false;
+};
+
+// Deterministic at any number of threads.
+Result<Material> cook(const BakedOutput& input, const CookOptions& options);
+
+}  // namespace loden::importer

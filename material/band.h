@@ -1,0 +1,61 @@
+// One term of the equation: w_b(lambda) * dot(D_b(q_b), E_b(wi, wo)).
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "material/directions.h"
+#include "material/texture.h"
+
+namespace loden {
+
+enum class Domain : uint32_t { kReference = 0, kFlat = 1 };
+enum class WeightFilter : uint32_t {
+  kNearest = 0,  // as published (LBTF 3.1: nearest-neighbour up-sampling)
+  kLinear = 1,   // bilinear, and trilinear between mips
+};
+enum class TableLayout : uint32_t {
+  kNearest = 0,  // volume of lights x views x quads, read at the nearest sampled pair
+  kGrid = 1,     // volume (phi_i, theta_o * thetas + theta_i, quad * phis + phi_o), read by two trilinear fetches
+};
+
+// 0 at and below in_begin, 1 from in_end to out_begin, 0 at and above out_end; linear between. lambda units.
+// Equal begin and end make a step that is never taken: use -1 for "from the start", kLambdaNever for "never".
+struct Window {
+  float in_begin = -2, in_end = -1, out_begin = 1e4f, out_end = 2e4f;
+};
+template <class T>
+T windowWeight(const Window& window, T lambda);
+
+// A lat-long grid of directions: thetas rows from the pole to theta_max, phis columns of which the last
+// repeats the first. Light or view beyond theta_max reads the last row.
+struct DirectionGrid {
+  int thetas = 6;
+  int phis = 25;
+  float theta_max = static_cast<float>(75.0 * kPi / 180.0);  // radians
+};
+
+// Components travel in quads of four. Quads 0 .. y_quads-1 hold four Y components each; then chroma_quads,
+// each with two Cb components in xy and two Cr components in zw; then, if ratio, one layer of weights only
+// whose rg are Cb/Y and Cr/Y of the whole value: the band then adds ratio * (Y_b + mu.Y) - mu.C to C.
+struct Band {
+  Domain domain = Domain::kReference;
+  WeightFilter filter = WeightFilter::kLinear;
+  TableLayout layout = TableLayout::kGrid;
+  Window window;
+  float lambda_first = 0;  // lambda of the weights' mip 0
+  int y_quads = 0;
+  int chroma_quads = 0;
+  bool ratio = false;
+  // Per quad of y and chroma: products D*E are multiplied by this (folds both 8-bit scales).
+  std::vector<glm::vec4> quad_scale;
+  glm::vec4 ratio_scale{1};
+  Texture weights;  // 2-D array, layers = y_quads + chroma_quads + ratio (+ spare layers, zero)
+  Texture table;    // volume
+  int quads() const { return y_quads + chroma_quads; }
+  int layers() const { return quads() + (ratio ? 1 : 0); }
+  size_t bytes() const { return weights.data.size() + table.data.size(); }
+};
+
+}  // namespace loden

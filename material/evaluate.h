@@ -1,0 +1,48 @@
+// The reference evaluator: the one equation on the CPU, in float or double. shaders/loden_material.glsl
+// mirrors it name for name; tests hold both to 1e-3 of white.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "material/material.h"
+
+namespace loden {
+
+// One shading point, found once per pixel and shared by all lights.
+template <class T>
+struct Hit {
+  glm::vec<2, T> x{0};  // reference domain, tile periods
+  glm::vec<2, T> p{0};  // parameter domain; equal to x without meso-geometry
+  T lambda = 0;         // level of detail
+  T depth = 0;          // z of the hit, tile periods, <= 0
+  int fetches = 0;      // of the lookup
+};
+
+// Which lookup finds p.
+enum class Lookup : uint32_t { kNone, kPaper, kFast, kDefault };
+
+// Keeps what is derived from a material: VDIM atlas, nearest-direction images. The material must outlive it.
+class Evaluator {
+ public:
+  explicit Evaluator(const Material& material, VdimAtlasSize atlas_size = {}, int threads = 0);
+
+  const Material& material() const { return *material_; }
+  const VdimAtlas& atlas() const { return atlas_; }
+
+  // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0.
+  template <class T>
+  Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault) const;
+
+  // Linear RGB, white Lambert lit from above = 1; may be slightly negative where a fit undershoots.
+  template <class T>
+  glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
+
+ private:
+  const Material* material_;
+  VdimAtlas atlas_;
+  std::vector<uint8_t> nearest_light_, nearest_view_;
+};
+
+}  // namespace loden

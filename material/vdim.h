@@ -1,0 +1,83 @@
+// View-dependent indirection: p = VDIM(x, wo), where the view ray through x first meets the tile
+// (Hadim et al. 2009, eq. 1). Two representations:
+//   PaperVdim   the published one: reference indirection, direction and distance per view (eqs. 2, 3; 3.5)
+//   VdimAtlas   depths per (direction, texel) that seed a Newton search on the geometry image; built from
+//               the geometry image at load, at the size that a scene's budget allows
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "material/directions.h"
+#include "material/geometry_image.h"
+#include "material/texture.h"
+
+namespace loden {
+
+// Views beyond this are looked up at it, in the maps and in the search; radians.
+inline constexpr double kThetaMax = 85.0 * kPi / 180.0;
+
+// As published: latlong Z x A directions, theta_z = kThetaMax * z / (Z - 1), phi_a = 2 pi a / (A - 1) (the
+// last column repeats the first, the pole row repeats one value).
+struct PaperVdim {
+  int side = 0;      // reference texels per side
+  int zeniths = 0, azimuths = 0;
+  // side x side x 1, RG16 snorm: R - x in tile periods / range.x, the indirection along the normal.
+  Texture reference;
+  // (side * azimuths) x (side * zeniths) x 1, RGBA16 snorm: unit displacement direction delta (rg), distance
+  // d / range.y (b), a unused; VDIM = R + d delta. Texel (i, j)'s directions are contiguous (FBTF fig. 7).
+  Texture packed;
+  glm::vec2 range{1, 1};  // tile periods
+};
+
+// Texels x directions of the atlas; bytes = texels^2 * directions^2 + volume.
+struct VdimAtlasSize {
+  int texels = 32;
+  int directions = 16;
+};
+
+struct VdimAtlas {
+  VdimAtlasSize size;
+  float z_min = 0;  // tile periods
+  // texels x texels x directions^2 layers, R8 unorm: z of the first hit = (code - 1) * -z_min. Layer
+  // v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
+  Texture depth;
+  // 32 x 32 x 8 volume over [0,1)^2 x [z_min, 0], RG16 snorm: p - X.xy of the surface point nearest to the
+  // voxel's centre, in [-.5, .5] * 2 codes (value = displacement * 2). Empty on identity parameterizations.
+  Texture volume;
+  size_t bytes() const { return depth.data.size() + volume.data.size(); }
+};
+
+// Square of the concentric grid <-> view direction. The radius is atanh(sin theta) / atanh(sin kThetaMax),
+// dense towards grazing; directions beyond kThetaMax land on the rim.
+template <class T>
+glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo);
+glm::dvec3 vdimViewFromSquare(glm::dvec2 square);
+
+// Built with `threads` threads (0: all); the result does not depend on their number.
+VdimAtlas buildVdimAtlas(const GeometryImage& image, const GeometryTracer& tracer, VdimAtlasSize size, int threads = 0);
+
+enum class VdimTier : uint32_t {
+  kFast,     // one candidate, one patch
+  kDefault,  // a few candidates, nearest to the viewer first, early exit
+};
+
+// How a search went. `fetches` counts texture instructions exactly as the shader issues them.
+template <class T>
+struct VdimHit {
+  glm::vec<2, T> p{0};        // unwrapped
+  glm::vec<3, T> position{0};  // tile periods, on the view ray
+  int fetches = 0;
+  bool converged = false;
+};
+
+// The shader's lookup, name for name (shaders/loden_vdim.glsl).
+template <class T>
+VdimHit<T> vdimLookup(const GeometryImage& image, const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x,
+                      const glm::vec<3, T>& wo);
+
+// The published lookup (FBTF 3.5): blended over directions, reference unfiltered; 2 fetches.
+template <class T>
+glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3, T>& wo);
+
+}  // namespace loden

@@ -6,9 +6,8 @@ namespace loden {
 namespace {
 
 // Linear sRGB to CIE XYZ at D65 (IEC 61966-2-1); its rows sum to the white point.
-constexpr double kXyzFromRgb[3][3] = {{0.4124564, 0.3575761, 0.1804375},
-                                      {0.2126729, 0.7151522, 0.0721750},
-                                      {0.0193339, 0.1191920, 0.9503041}};
+constexpr double kXyzFromRgb[3][3] = {
+    {0.4124564, 0.3575761, 0.1804375}, {0.2126729, 0.7151522, 0.0721750}, {0.0193339, 0.1191920, 0.9503041}};
 
 // CIE 15: the cube root with its linear foot, which also carries negative arguments.
 double labCurve(double t) {

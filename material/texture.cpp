@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -77,54 +78,89 @@ Raw load(const std::byte* from) {
   return raw;
 }
 
-template <int kChannels, class Decode>
-glm::vec4 gather(const Decode& decode) {
-  glm::vec4 texel(0, 0, 0, 1);
-  for (int c = 0; c < kChannels; ++c) texel[c] = decode(c);
-  return texel;
-}
-
-template <int kChannels>
-glm::vec4 decodeBytes(const std::byte* from, const std::array<float, 256>& table) {
-  return gather<kChannels>([&](int c) { return table[static_cast<size_t>(from[c])]; });
-}
-
-template <int kChannels>
-glm::vec4 decodeUnorm16(const std::byte* from) {
-  return gather<kChannels>([&](int c) { return static_cast<float>(load<uint16_t>(from + 2 * c)) / 65535.0f; });
-}
-
-template <int kChannels>
-glm::vec4 decodeSnorm16(const std::byte* from) {
-  return gather<kChannels>(
-      [&](int c) { return std::max(static_cast<float>(load<int16_t>(from + 2 * c)) / 32767.0f, -1.0f); });
-}
-
-glm::vec4 decodeSrgb(const std::byte* from) {
-  const glm::vec4 rgb = decodeBytes<4>(from, kByteTables.srgb);
-  return {rgb.x, rgb.y, rgb.z, kByteTables.unorm[static_cast<size_t>(from[3])]};
-}
-
-inline glm::vec4 decodeTexel(TexelFormat format, const std::byte* from) {
-  switch (format) {
-    case TexelFormat::kR8Unorm: return decodeBytes<1>(from, kByteTables.unorm);
-    case TexelFormat::kR8Snorm: return decodeBytes<1>(from, kByteTables.snorm);
-    case TexelFormat::kRG8Unorm: return decodeBytes<2>(from, kByteTables.unorm);
-    case TexelFormat::kRG8Snorm: return decodeBytes<2>(from, kByteTables.snorm);
-    case TexelFormat::kRGBA8Unorm: return decodeBytes<4>(from, kByteTables.unorm);
-    case TexelFormat::kRGBA8Snorm: return decodeBytes<4>(from, kByteTables.snorm);
-    case TexelFormat::kRGBA8Srgb: return decodeSrgb(from);
-    case TexelFormat::kR16Unorm: return decodeUnorm16<1>(from);
-    case TexelFormat::kRG16Unorm: return decodeUnorm16<2>(from);
-    case TexelFormat::kRG16Snorm: return decodeSnorm16<2>(from);
-    case TexelFormat::kRGBA16Unorm: return decodeUnorm16<4>(from);
-    case TexelFormat::kRGBA16Snorm: return decodeSnorm16<4>(from);
-    case TexelFormat::kRGBA16Sfloat:
-      return gather<4>([&](int c) { return floatFromHalf(load<uint16_t>(from + 2 * c)); });
-    case TexelFormat::kRG32Sfloat: return gather<2>([&](int c) { return load<float>(from + 4 * c); });
-    case TexelFormat::kRGBA32Sfloat: return gather<4>([&](int c) { return load<float>(from + 4 * c); });
+// One channel of each encoding.
+struct Unorm8 {
+  static constexpr int kBytes = 1;
+  static float decode(const std::byte* from, int) { return kByteTables.unorm[static_cast<size_t>(*from)]; }
+};
+struct Snorm8 {
+  static constexpr int kBytes = 1;
+  static float decode(const std::byte* from, int) { return kByteTables.snorm[static_cast<size_t>(*from)]; }
+};
+struct Srgb8 {
+  static constexpr int kBytes = 1;
+  static float decode(const std::byte* from, int channel) {
+    return (channel < 3 ? kByteTables.srgb : kByteTables.unorm)[static_cast<size_t>(*from)];
   }
-  return glm::vec4(0, 0, 0, 1);
+};
+struct Unorm16 {
+  static constexpr int kBytes = 2;
+  static float decode(const std::byte* from, int) {
+    return static_cast<float>(load<uint16_t>(from)) / 65535.0f;
+  }
+};
+struct Snorm16 {
+  static constexpr int kBytes = 2;
+  static float decode(const std::byte* from, int) {
+    return std::max(static_cast<float>(load<int16_t>(from)) / 32767.0f, -1.0f);
+  }
+};
+struct Float16 {
+  static constexpr int kBytes = 2;
+  static float decode(const std::byte* from, int) { return floatFromHalf(load<uint16_t>(from)); }
+};
+struct Float32 {
+  static constexpr int kBytes = 4;
+  static float decode(const std::byte* from, int) { return load<float>(from); }
+};
+
+template <class Channel, int kChannels>
+struct Decoder {
+  static constexpr int kBytes = kChannels * Channel::kBytes;
+  glm::vec4 operator()(const std::byte* from) const {
+    glm::vec4 texel(0, 0, 0, 1);
+    for (int c = 0; c < kChannels; ++c) texel[c] = Channel::decode(from + c * Channel::kBytes, c);
+    return texel;
+  }
+};
+
+// Calls `use` with the format's decoder, so that the format is looked at once per sample and not per texel.
+template <class Use>
+inline auto withDecoder(TexelFormat format, const Use& use) {
+  switch (format) {
+    case TexelFormat::kR8Unorm:
+      return use(Decoder<Unorm8, 1>());
+    case TexelFormat::kR8Snorm:
+      return use(Decoder<Snorm8, 1>());
+    case TexelFormat::kRG8Unorm:
+      return use(Decoder<Unorm8, 2>());
+    case TexelFormat::kRG8Snorm:
+      return use(Decoder<Snorm8, 2>());
+    case TexelFormat::kRGBA8Unorm:
+      return use(Decoder<Unorm8, 4>());
+    case TexelFormat::kRGBA8Snorm:
+      return use(Decoder<Snorm8, 4>());
+    case TexelFormat::kRGBA8Srgb:
+      return use(Decoder<Srgb8, 4>());
+    case TexelFormat::kR16Unorm:
+      return use(Decoder<Unorm16, 1>());
+    case TexelFormat::kRG16Unorm:
+      return use(Decoder<Unorm16, 2>());
+    case TexelFormat::kRG16Snorm:
+      return use(Decoder<Snorm16, 2>());
+    case TexelFormat::kRGBA16Unorm:
+      return use(Decoder<Unorm16, 4>());
+    case TexelFormat::kRGBA16Snorm:
+      return use(Decoder<Snorm16, 4>());
+    case TexelFormat::kRGBA16Sfloat:
+      return use(Decoder<Float16, 4>());
+    case TexelFormat::kRG32Sfloat:
+      return use(Decoder<Float32, 2>());
+    case TexelFormat::kRGBA32Sfloat:
+      return use(Decoder<Float32, 4>());
+  }
+  LODEN_CHECK(!"a known texel format");
+  std::abort();
 }
 
 template <class Raw>
@@ -186,20 +222,31 @@ Span<T> clampSpan(T coordinate, int size) {
   return {first, std::min(first + 1, size - 1), texel - static_cast<T>(first)};
 }
 
-template <class T>
-glm::vec<4, T> blendSquare(TexelFormat format, const std::byte* rows, size_t pitch, const Span<T>& x, const Span<T>& y) {
-  const size_t step = texelBytes(format);
-  const auto at = [&](int i, int j) { return glm::vec<4, T>(decodeTexel(format, rows + j * pitch + i * step)); };
-  const glm::vec<4, T> low = glm::mix(at(x.first, y.first), at(x.second, y.first), x.blend);
-  const glm::vec<4, T> high = glm::mix(at(x.first, y.second), at(x.second, y.second), x.blend);
-  return glm::mix(low, high, y.blend);
+// Bilinear blend of the rows of one image or slice.
+template <class T, class Decode>
+inline glm::vec<4, T> blendSquare(const Decode& decode, const std::byte* image, size_t width,
+                                  const Span<T>& x, const Span<T>& y) {
+  const std::byte* low = image + y.first * width * Decode::kBytes;
+  const std::byte* high = image + y.second * width * Decode::kBytes;
+  const auto row = [&](const std::byte* texels) {
+    const glm::vec<4, T> left(decode(texels + x.first * Decode::kBytes));
+    return left + (glm::vec<4, T>(decode(texels + x.second * Decode::kBytes)) - left) * x.blend;
+  };
+  const glm::vec<4, T> below = row(low);
+  return below + (row(high) - below) * y.blend;
 }
 
 }  // namespace
 
-int texelBytes(TexelFormat format) { return traitsOf(format).channels * traitsOf(format).channel_bytes; }
-int texelChannels(TexelFormat format) { return traitsOf(format).channels; }
-const char* texelFormatName(TexelFormat format) { return traitsOf(format).name; }
+int texelBytes(TexelFormat format) {
+  return traitsOf(format).channels * traitsOf(format).channel_bytes;
+}
+int texelChannels(TexelFormat format) {
+  return traitsOf(format).channels;
+}
+const char* texelFormatName(TexelFormat format) {
+  return traitsOf(format).name;
+}
 
 Texture Texture::make(TexelFormat format, TextureShape shape, int width, int height, int depth, int mips) {
   LODEN_CHECK(width > 0 && height > 0 && depth > 0 && texelBytes(format) > 0);
@@ -225,7 +272,8 @@ uint64_t textureBytes(TexelFormat format, uint64_t width, uint64_t height, uint6
   uint64_t total = 0;
   for (int mip = 0; mip < mips; ++mip) {
     uint64_t bytes = static_cast<uint64_t>(texelBytes(format));
-    for (const uint64_t extent : {std::max<uint64_t>(width >> mip, 1), std::max<uint64_t>(height >> mip, 1), depth}) {
+    for (const uint64_t extent :
+         {std::max<uint64_t>(width >> mip, 1), std::max<uint64_t>(height >> mip, 1), depth}) {
       if (__builtin_mul_overflow(bytes, extent, &bytes)) return kTooMany;
     }
     if (__builtin_add_overflow(total, bytes, &total)) return kTooMany;
@@ -234,7 +282,8 @@ uint64_t textureBytes(TexelFormat format, uint64_t width, uint64_t height, uint6
 }
 
 glm::vec4 fetchTexel(const Texture& texture, int mip, int x, int y, int z) {
-  return decodeTexel(texture.format, texture.data.data() + texelOffset(texture, mip, x, y, z));
+  const std::byte* from = texture.data.data() + texelOffset(texture, mip, x, y, z);
+  return withDecoder(texture.format, [from](const auto& decode) { return decode(from); });
 }
 
 void storeTexel(Texture& texture, int mip, int x, int y, int z, const glm::vec4& value) {
@@ -253,10 +302,11 @@ void storeTexel(Texture& texture, int mip, int x, int y, int z, const glm::vec4&
 
 template <class T>
 glm::vec<4, T> sampleRepeat(const Texture& texture, int mip, int layer, glm::vec<2, T> uv) {
-  const int width = texture.mipWidth(mip), height = texture.mipHeight(mip);
-  const size_t pitch = static_cast<size_t>(width) * texelBytes(texture.format);
-  return blendSquare(texture.format, texture.data.data() + texelOffset(texture, mip, 0, 0, layer), pitch,
-                     repeatSpan(uv.x, width), repeatSpan(uv.y, height));
+  const int width = texture.mipWidth(mip);
+  const Span<T> x = repeatSpan(uv.x, width), y = repeatSpan(uv.y, texture.mipHeight(mip));
+  const std::byte* image = texture.data.data() + texelOffset(texture, mip, 0, 0, layer);
+  return withDecoder(texture.format,
+                     [&](const auto& decode) { return blendSquare(decode, image, width, x, y); });
 }
 
 template <class T>
@@ -282,10 +332,14 @@ template <class T>
 glm::vec<4, T> sampleVolume(const Texture& texture, glm::vec<3, T> texel) {
   const Span<T> x = clampSpan(texel.x, texture.width), y = clampSpan(texel.y, texture.height),
                 z = clampSpan(texel.z, texture.depth);
-  const size_t pitch = static_cast<size_t>(texture.width) * texelBytes(texture.format);
-  const size_t slice = pitch * texture.height;
-  const auto at = [&](int k) { return blendSquare(texture.format, texture.data.data() + k * slice, pitch, x, y); };
-  return glm::mix(at(z.first), at(z.second), z.blend);
+  const size_t slice = static_cast<size_t>(texture.width) * texture.height * texelBytes(texture.format);
+  return withDecoder(texture.format, [&](const auto& decode) {
+    const auto at = [&](int k) {
+      return blendSquare(decode, texture.data.data() + k * slice, texture.width, x, y);
+    };
+    const glm::vec<4, T> below = at(z.first);
+    return below + (at(z.second) - below) * z.blend;
+  });
 }
 
 int fullMipCount(int width, int height) {
@@ -317,10 +371,10 @@ float floatFromHalf(uint16_t half) {
   return std::bit_cast<float>(sign | std::bit_cast<uint32_t>(subnormal));
 }
 
-#define LODEN_INSTANTIATE(T)                                                                    \
-  template glm::vec<4, T> sampleRepeat(const Texture&, int, int, glm::vec<2, T>);               \
-  template glm::vec<4, T> sampleRepeatLod(const Texture&, T, int, glm::vec<2, T>);              \
-  template glm::vec<4, T> nearestRepeat(const Texture&, int, int, glm::vec<2, T>);              \
+#define LODEN_INSTANTIATE(T)                                                       \
+  template glm::vec<4, T> sampleRepeat(const Texture&, int, int, glm::vec<2, T>);  \
+  template glm::vec<4, T> sampleRepeatLod(const Texture&, T, int, glm::vec<2, T>); \
+  template glm::vec<4, T> nearestRepeat(const Texture&, int, int, glm::vec<2, T>); \
   template glm::vec<4, T> sampleVolume(const Texture&, glm::vec<3, T>);
 LODEN_INSTANTIATE(float)
 LODEN_INSTANTIATE(double)

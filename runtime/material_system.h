@@ -1,0 +1,93 @@
+// Materials on the GPU: opens assets, streams their parts in and out under a byte budget, and binds them for
+// shaders/loden_material.glsl. One call sequence per frame:
+//   demand() for each visible material, update(), then bind() before its draws.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "material/asset.h"
+#include "material/evaluate.h"
+#include "material/result.h"
+#include "runtime/device.h"
+#include "runtime/shader_variants.h"
+
+namespace loden::runtime {
+
+// Index and generation; stays invalid after unload. 0 is no material.
+struct MaterialId {
+  uint32_t value = 0;
+  explicit operator bool() const { return value != 0; }
+  friend bool operator==(MaterialId, MaterialId) = default;
+};
+
+struct MaterialSystemOptions {
+  uint64_t budget_bytes = 64u << 20;            // GPU bytes of all parts, those in flight included
+  uint64_t upload_bytes_per_frame = 1u << 20;   // at least one row of texels goes up per frame
+  float fade_levels_per_second = 4;             // of arriving detail
+  Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM
+  VdimAtlasSize atlas_size;                     // at most; smaller where the budget is tight
+  int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
+};
+
+// What a report counts. Bytes are of the asset parts, as texel data.
+struct MaterialStats {
+  int materials = 0;
+  int parts_resident = 0, parts_in_flight = 0;
+  uint64_t resident_bytes = 0;   // of GPU memory, in flight included
+  uint64_t peak_bytes = 0;       // largest resident_bytes of any frame
+  uint64_t total_bytes = 0;      // if everything of every material were resident
+  uint64_t read_bytes = 0;       // from files, since the start
+  uint64_t uploaded_bytes = 0;   // since the start
+  uint64_t uploaded_last_frame = 0;
+  uint64_t evicted_parts = 0;
+  uint64_t failed_parts = 0;
+};
+
+class MaterialSystem {
+ public:
+  // The device must be current and outlive the system. Issues: kGlContext.
+  static Result<std::unique_ptr<MaterialSystem>> create(const Device& device, const MaterialSystemOptions& options);
+  ~MaterialSystem();
+  MaterialSystem(const MaterialSystem&) = delete;
+  MaterialSystem& operator=(const MaterialSystem&) = delete;
+
+  // Reads the header only; parts follow on demand. The source is read from the loading thread later on.
+  Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
+  Result<MaterialId> load(const std::filesystem::path& path);
+  void unload(MaterialId id);
+
+  // What the material's program must be built for; fixed for its life.
+  MaterialVariant variant(MaterialId id) const;
+  // Description without texel data.
+  const Material& material(MaterialId id) const;
+
+  // Some visible surface asks for this material at `lambda` or coarser this frame; the smallest counts.
+  void demand(MaterialId id, float lambda);
+  // Once per frame: takes what the loading thread delivered, uploads within the bound, evicts, fades in, asks
+  // for more. Never waits. Seconds since the last call.
+  void update(float seconds);
+  // Updates until every demanded part is resident, or cannot be, and faded in; for captures and tests.
+  void finishLoading();
+
+  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BINDING_MATERIAL and texture
+  // units LODEN_UNIT_FIRST ..). The one call that leaves GL state behind.
+  void bind(MaterialId id);
+  // The smallest lambda that the shader will use: detail below it is not resident.
+  float residentLambda(MaterialId id) const;
+
+  // After the context is gone: forget every name; after the new one is current: everything streams in again.
+  void contextLost();
+  Status contextRestored();
+
+  const MaterialStats& stats() const;
+
+ private:
+  struct Impl;
+  explicit MaterialSystem(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace loden::runtime

@@ -1,0 +1,53 @@
+// Every shader program that can exist, in one list: a program that no row allows is never compiled.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "material/evaluate.h"
+#include "material/material.h"
+
+namespace loden::runtime {
+
+// What a material asks of a shader.
+struct MaterialVariant {
+  enum class Kind : uint8_t { kNone, kSurface, kBands };
+  Kind kind = Kind::kNone;  // kNone: the program shades no Loden material
+  uint8_t bands = 0;        // of kBands
+  Lookup lookup = Lookup::kNone;
+  bool count_fetches = false;  // the instrumented variant
+  friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
+};
+
+inline constexpr int kMaxShaderBands = 8;
+
+// One row: two entry files and the material variants they may be built for.
+struct ProgramRow {
+  std::string_view name;
+  std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
+  std::string_view defines;           // "A=1 B" or empty
+  bool none = false;     // may be built without a material
+  bool surface = false;  // for surface materials
+  bool bands = false;    // for 1 .. kMaxShaderBands bands
+};
+
+inline constexpr ProgramRow kProgramRows[] = {
+    {"scene_depth", "scene_depth.vert.glsl", "", "", true, false, false},
+    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "", true, true, true},
+};
+
+// A row by name; null if there is none.
+const ProgramRow* findProgramRow(std::string_view name);
+bool rowAllows(const ProgramRow& row, const MaterialVariant& variant);
+// All variants that the row allows, for compiling every one of them in a test.
+std::vector<MaterialVariant> rowVariants(const ProgramRow& row);
+// "LODEN_MODE_BANDS", "LODEN_BANDS 4", "LODEN_LOOKUP_DEFAULT" ...; one per line of `#define`.
+std::vector<std::string> variantDefines(const MaterialVariant& variant);
+// "bands4-default-counted"
+std::string variantName(const MaterialVariant& variant);
+
+}  // namespace loden::runtime

@@ -20,8 +20,8 @@ enum class TableLayout : uint32_t {
   kGrid = 1,     // volume (phi_i, theta_o * thetas + theta_i, quad * phis + phi_o), read by two trilinear fetches
 };
 
-// 0 at and below in_begin, 1 from in_end to out_begin, 0 at and above out_end; linear between. lambda units.
-// Equal begin and end make a step that is never taken: use -1 for "from the start", kLambdaNever for "never".
+// 0 at and below in_begin, 1 from in_end to out_begin, 0 at and above out_end; linear between. Units of lambda;
+// in_begin < in_end and out_begin < out_end. The default is 1 at every lambda >= 0.
 struct Window {
   float in_begin = -2, in_end = -1, out_begin = 1e4f, out_end = 2e4f;
 };

@@ -42,8 +42,8 @@ struct VdimAtlas {
   // texels x texels x directions^2 layers, R8 unorm: z of the first hit = (code - 1) * -z_min. Layer
   // v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
   Texture depth;
-  // 32 x 32 x 8 volume over [0,1)^2 x [z_min, 0], RG16 snorm: p - X.xy of the surface point nearest to the
-  // voxel's centre, in [-.5, .5] * 2 codes (value = displacement * 2). Empty on identity parameterizations.
+  // 32 x 32 x 8 volume over [0,1)^2 x [0, z_min] (z slice 0 is the top), RG16 snorm: twice p - X.xy, wrapped
+  // into [-.5, .5], of the surface point nearest to the voxel's centre. Empty on identity parameterizations.
   Texture volume;
   size_t bytes() const { return depth.data.size() + volume.data.size(); }
 };

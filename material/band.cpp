@@ -1,0 +1,17 @@
+#include "material/band.h"
+
+#include <algorithm>
+
+namespace loden {
+
+template <class T>
+T windowWeight(const Window& window, T lambda) {
+  const T in = (lambda - T(window.in_begin)) / (T(window.in_end) - T(window.in_begin));
+  const T out = (T(window.out_end) - lambda) / (T(window.out_end) - T(window.out_begin));
+  return std::clamp(in, T(0), T(1)) * std::clamp(out, T(0), T(1));
+}
+
+template float windowWeight(const Window&, float);
+template double windowWeight(const Window&, double);
+
+}  // namespace loden

@@ -1,0 +1,175 @@
+// Mirrors shaders/loden_material.glsl name for name; keep the order of operations.
+
+#include "material/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "material/check.h"
+#include "material/color.h"
+
+namespace loden {
+namespace {
+
+template <class T>
+using V2 = glm::vec<2, T>;
+template <class T>
+using V3 = glm::vec<3, T>;
+template <class T>
+using V4 = glm::vec<4, T>;
+
+template <class T>
+V3<T> clampTheta(const V3<T>& w, T theta_max) {
+  const T cosine = std::cos(theta_max);
+  if (w.z >= cosine) return w;
+  const T sine = std::sqrt(w.x * w.x + w.y * w.y);
+  const T scale = std::sin(theta_max) / std::max(sine, T(1e-6));
+  return {w.x * scale, w.y * scale, cosine};
+}
+
+// Where in the tables a pair of directions is: grid coordinates, or the nearest samples' indices.
+template <class T>
+struct TablePosition {
+  V2<T> light, view;  // (column, row) of the grid, texels from 0
+  int light_index = 0, view_index = 0;
+};
+
+template <class T>
+V2<T> gridPosition(const DirectionGrid& grid, const V3<T>& w) {
+  const T theta = std::acos(std::clamp(w.z, T(-1), T(1)));
+  T phi = w.x == 0 && w.y == 0 ? T(0) : std::atan2(w.y, w.x);
+  if (phi < 0) phi += T(2 * kPi);
+  return {phi / T(2 * kPi) * T(grid.phis - 1), std::min(theta / T(grid.theta_max), T(1)) * T(grid.thetas - 1)};
+}
+
+int nearestIndex(const std::vector<uint8_t>& image, double x, double y) {
+  const auto texel = [](double c) {
+    return std::clamp(static_cast<int>((c * 0.5 + 0.5) * kNearestLookupSide), 0, kNearestLookupSide - 1);
+  };
+  return image.empty() ? 0 : image[static_cast<size_t>(texel(y)) * kNearestLookupSide + texel(x)];
+}
+
+template <class T>
+V4<T> fetchTable(const Band& band, const DirectionGrid& grid, int quad, const TablePosition<T>& at) {
+  if (band.layout == TableLayout::kNearest) return V4<T>(fetchTexel(band.table, 0, at.light_index, at.view_index, quad));
+  const T row = std::min(std::floor(at.view.y), T(grid.thetas - 2));
+  const T fraction = at.view.y - row;
+  const V3<T> texel(at.light.x + T(0.5), row * T(grid.thetas) + at.light.y + T(0.5),
+                    T(quad * grid.phis) + at.view.x + T(0.5));
+  const V4<T> below = sampleVolume(band.table, texel);
+  const V4<T> above = sampleVolume(band.table, texel + V3<T>(0, T(grid.thetas), 0));
+  return glm::mix(below, above, fraction);
+}
+
+template <class T>
+V4<T> fetchWeights(const Band& band, int layer, V2<T> q, T lambda) {
+  if (band.filter == WeightFilter::kNearest) return nearestRepeat(band.weights, 0, layer, q);
+  const T lod = std::clamp(lambda - T(band.lambda_first), T(0), T(band.weights.mips - 1));
+  return sampleRepeatLod(band.weights, lod, layer, q);
+}
+
+// (Y, Cb, Cr) that one band adds at full weight.
+template <class T>
+V3<T> evaluateBand(const Band& band, const DirectionGrid& grid, const Hit<T>& hit, const TablePosition<T>& at,
+                   const V3<T>& mean) {
+  const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
+  V3<T> sum(0);
+  for (int quad = 0; quad < band.quads(); ++quad) {
+    const V4<T> product = fetchWeights(band, quad, q, hit.lambda) * fetchTable(band, grid, quad, at) *
+                          V4<T>(band.quad_scale[quad]);
+    if (quad < band.y_quads)
+      sum.x += product.x + product.y + product.z + product.w;
+    else
+      sum += V3<T>(0, product.x + product.y, product.z + product.w);
+  }
+  if (band.ratio) {
+    const V4<T> ratio = fetchWeights(band, band.quads(), q, hit.lambda) * V4<T>(band.ratio_scale);
+    sum.y += ratio.x * (sum.x + mean.x) - mean.y;
+    sum.z += ratio.y * (sum.x + mean.x) - mean.z;
+  }
+  return sum;
+}
+
+template <class T>
+V3<T> evaluateSurface(const SurfaceMaps& maps, const Hit<T>& hit, const V3<T>& wi, const V3<T>& wo) {
+  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda, 0, hit.p));
+  const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
+  const V3<T> normal = mapped / length;
+  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda, 0, hit.p));
+  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda, 0, hit.p);
+  // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
+  const T sharp = std::exp2(specular.y * T(12));
+  const T shortened = std::min(length, T(1));
+  const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
+  const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
+  const V3<T> sum = wi + wo;
+  const V3<T> half = sum / std::max(std::sqrt(glm::dot(sum, sum)), T(1e-6));
+  const T lobe = std::pow(std::max(glm::dot(normal, half), T(1e-6)), exponent);
+  return (diffuse + strength * lobe) * std::max(glm::dot(normal, wi), T(0));
+}
+
+}  // namespace
+
+const char* modeName(Mode mode) {
+  switch (mode) {
+    case Mode::kSurface: return "surface";
+    case Mode::kLod: return "lod";
+    case Mode::kFused: return "fused";
+  }
+  return "unknown";
+}
+
+Evaluator::Evaluator(const Material& material, VdimAtlasSize atlas_size, int threads) : material_(&material) {
+  if (!material.geometry.empty() && material.mode != Mode::kLod)
+    atlas_ = buildVdimAtlas(material.geometry, GeometryTracer(material.geometry), atlas_size, threads);
+  if (material.lights.size() > 0) nearest_light_ = nearestDirectionLookup(material.lights, kNearestLookupSide);
+  if (material.views.size() > 0) nearest_view_ = nearestDirectionLookup(material.views, kNearestLookupSide);
+}
+
+template <class T>
+Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup) const {
+  Hit<T> hit{x, x, std::clamp(lambda, T(0), std::max(T(material_->lambda_max), T(0))), 0, 0};
+  if (material_->mode != Mode::kLod) hit.lambda = std::max(lambda, T(0));
+  if (lookup == Lookup::kPaper && material_->stored_vdim) {
+    hit.p = paperVdimLookup(*material_->stored_vdim, x, wo);
+    hit.fetches = 2;
+  } else if ((lookup == Lookup::kFast || lookup == Lookup::kDefault) && !atlas_.depth.empty()) {
+    const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
+    const VdimHit<T> found = vdimLookup(material_->geometry, atlas_, tier, x, wo);
+    hit.p = found.p;
+    hit.depth = found.position.z;
+    hit.fetches = found.fetches;
+  }
+  return hit;
+}
+
+template <class T>
+glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const {
+  const Material& m = *material_;
+  if (wi.z <= 0 || wo.z <= 0) return V3<T>(0);
+  if (m.mode == Mode::kSurface) return m.surface ? evaluateSurface(*m.surface, hit, wi, wo) : V3<T>(0);
+
+  const T theta_max = T(m.theta_max);
+  const V3<T> light = clampTheta(wi, theta_max), view = clampTheta(wo, theta_max);
+  const T fade = m.cosine_included ? std::min(wi.z / std::cos(theta_max), T(1)) : T(1);
+  const V3<T> mean = evaluateMean(m.mean, light, view);
+  TablePosition<T> at;
+  at.light = gridPosition(m.grid, light);
+  at.view = gridPosition(m.grid, view);
+  at.light_index = nearestIndex(nearest_light_, double(light.x), double(light.y));
+  at.view_index = nearestIndex(nearest_view_, double(view.x), double(view.y));
+  V3<T> ycc = mean;
+  for (const Band& band : m.bands) {
+    const T weight = windowWeight(band.window, hit.lambda);
+    if (weight > 0) ycc += weight * evaluateBand(band, m.grid, hit, at, mean);
+  }
+  return rgbFromYcc(ycc) * fade;
+}
+
+template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup) const;
+template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup) const;
+template glm::vec<3, float> Evaluator::evaluate(const Hit<float>&, const glm::vec<3, float>&, const glm::vec<3, float>&) const;
+template glm::vec<3, double> Evaluator::evaluate(const Hit<double>&, const glm::vec<3, double>&,
+                                                 const glm::vec<3, double>&) const;
+
+}  // namespace loden

@@ -1,0 +1,184 @@
+// Rays against the triangles of a geometry image, by a uniform grid of cells over one period in x and y.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "material/check.h"
+#include "material/geometry_image.h"
+
+namespace loden {
+namespace {
+
+struct Triangle {
+  glm::dvec3 a, edge_b, edge_c;
+  glm::dvec2 p, p_b, p_c;  // parameter of a, and its change along the edges
+};
+
+struct CellReference {
+  uint32_t triangle = 0;
+  glm::i16vec2 shift{0};  // add to the triangle to bring the copy into the base cell
+};
+
+struct CellBounds {
+  float z_min = std::numeric_limits<float>::max(), z_max = std::numeric_limits<float>::lowest();
+};
+
+struct LocalHit {
+  double t = 0, u = 0, v = 0;
+};
+
+// Moeller and Trumbore, with a tolerance that closes the seams between neighbours.
+std::optional<LocalHit> intersect(const Triangle& tri, const glm::dvec3& o, const glm::dvec3& d) {
+  constexpr double kSeam = 1e-9;
+  const glm::dvec3 h = glm::cross(d, tri.edge_c);
+  const double det = glm::dot(tri.edge_b, h);
+  if (std::abs(det) < 1e-18) return std::nullopt;
+  const double inv = 1 / det;
+  const glm::dvec3 s = o - tri.a;
+  const double u = glm::dot(s, h) * inv;
+  if (u < -kSeam || u > 1 + kSeam) return std::nullopt;
+  const glm::dvec3 q = glm::cross(s, tri.edge_b);
+  const double v = glm::dot(d, q) * inv;
+  if (v < -kSeam || u + v > 1 + kSeam) return std::nullopt;
+  return LocalHit{glm::dot(tri.edge_c, q) * inv, u, v};
+}
+
+}  // namespace
+
+struct GeometryTracer::Impl {
+  int cells = 0;  // per side
+  double z_min = 0;
+  std::vector<Triangle> triangles;
+  std::vector<uint32_t> first;  // CSR over cells
+  std::vector<CellReference> references;
+  std::vector<CellBounds> bounds;
+
+  explicit Impl(const GeometryImage& image) : cells(std::max(8, image.side() / 2)), z_min(image.zMin()) {
+    addTriangles(image);
+    bin();
+  }
+
+  void addTriangles(const GeometryImage& image) {
+    const int n = image.side();
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Patch<double> patch = fetchPatch<double>(image, i, j);
+        if (patch.chart == 0) continue;
+        const glm::dvec2 p((i + 0.5) / n, (j + 0.5) / n), du(1.0 / n, 0), dv(0, 1.0 / n);
+        triangles.push_back({patch.p00, patch.p10 - patch.p00, patch.p11 - patch.p00, p, du, du + dv});
+        triangles.push_back({patch.p00, patch.p11 - patch.p00, patch.p01 - patch.p00, p, du + dv, dv});
+      }
+  }
+
+  template <class Visit>
+  void forEachCell(const Triangle& tri, Visit visit) const {
+    const glm::dvec3 b = tri.a + tri.edge_b, c = tri.a + tri.edge_c;
+    const glm::dvec3 lo = glm::min(tri.a, glm::min(b, c)), hi = glm::max(tri.a, glm::max(b, c));
+    constexpr double kMargin = 1e-6;
+    const int x0 = static_cast<int>(std::floor((lo.x - kMargin) * cells));
+    const int x1 = static_cast<int>(std::floor((hi.x + kMargin) * cells));
+    const int y0 = static_cast<int>(std::floor((lo.y - kMargin) * cells));
+    const int y1 = static_cast<int>(std::floor((hi.y + kMargin) * cells));
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
+        const int period_x = floorDivide(x), period_y = floorDivide(y);
+        const int cell = (y - period_y * cells) * cells + (x - period_x * cells);
+        visit(cell, glm::i16vec2(-period_x, -period_y), lo.z, hi.z);
+      }
+  }
+
+  int floorDivide(int index) const { return static_cast<int>(std::floor(double(index) / cells)); }
+
+  void bin() {
+    const size_t cell_count = static_cast<size_t>(cells) * cells;
+    first.assign(cell_count + 1, 0);
+    bounds.assign(cell_count, {});
+    for (const Triangle& tri : triangles)
+      forEachCell(tri, [&](int cell, glm::i16vec2, double lo, double hi) {
+        ++first[cell + 1];
+        bounds[cell].z_min = std::min(bounds[cell].z_min, static_cast<float>(lo) - 1e-6f);
+        bounds[cell].z_max = std::max(bounds[cell].z_max, static_cast<float>(hi) + 1e-6f);
+      });
+    for (size_t c = 0; c < cell_count; ++c) first[c + 1] += first[c];
+    references.resize(first.back());
+    std::vector<uint32_t> next(first.begin(), first.end() - 1);
+    for (uint32_t k = 0; k < triangles.size(); ++k)
+      forEachCell(triangles[k], [&](int cell, glm::i16vec2 shift, double, double) {
+        references[next[cell]++] = {k, shift};
+      });
+  }
+
+  // First hit with t in (t_begin, t_end]; marches the cells that the ray crosses (Amanatides and Woo 1987).
+  std::optional<TraceHit> march(const glm::dvec3& o, const glm::dvec3& d, double t_begin, double t_end) const {
+    const double infinity = std::numeric_limits<double>::infinity();
+    const glm::dvec2 start = (glm::dvec2(o) + glm::dvec2(d) * t_begin) * double(cells);
+    glm::ivec2 cell(static_cast<int>(std::floor(start.x)), static_cast<int>(std::floor(start.y)));
+    glm::ivec2 step;
+    glm::dvec2 next, delta;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double speed = d[axis] * cells;
+      step[axis] = speed > 0 ? 1 : -1;
+      delta[axis] = speed != 0 ? std::abs(1 / speed) : infinity;
+      const double border = cell[axis] + (speed > 0 ? 1 : 0);
+      next[axis] = speed != 0 ? (border - o[axis] * cells) / speed : infinity;
+    }
+    for (double t = t_begin; t <= t_end;) {
+      const double t_exit = std::min({next.x, next.y, t_end});
+      if (auto hit = searchCell(cell, o, d, t_begin, t, t_exit)) return hit;
+      if (t_exit >= t_end) break;
+      const int axis = next.x <= next.y ? 0 : 1;
+      t = next[axis];
+      next[axis] += delta[axis];
+      cell[axis] += step[axis];
+    }
+    return std::nullopt;
+  }
+
+  std::optional<TraceHit> searchCell(glm::ivec2 cell, const glm::dvec3& o, const glm::dvec3& d, double t_begin,
+                                     double t_enter, double t_exit) const {
+    constexpr double kOverlap = 1e-7;
+    const glm::ivec2 period(floorDivide(cell.x), floorDivide(cell.y));
+    const size_t base = static_cast<size_t>(cell.y - period.y * cells) * cells + (cell.x - period.x * cells);
+    const double z0 = o.z + d.z * t_enter, z1 = o.z + d.z * t_exit;
+    if (std::min(z0, z1) > bounds[base].z_max || std::max(z0, z1) < bounds[base].z_min) return std::nullopt;
+    LocalHit best{t_exit + kOverlap, 0, 0};
+    const Triangle* found = nullptr;
+    glm::dvec2 shift(0);
+    for (uint32_t r = first[base]; r < first[base + 1]; ++r) {
+      const CellReference& reference = references[r];
+      const glm::dvec2 offset = glm::dvec2(period) + glm::dvec2(reference.shift);
+      const auto hit = intersect(triangles[reference.triangle], o - glm::dvec3(offset, 0), d);
+      if (!hit || hit->t <= t_begin || hit->t > best.t) continue;
+      best = *hit;
+      found = &triangles[reference.triangle];
+      shift = offset;
+    }
+    if (!found) return std::nullopt;
+    TraceHit hit;
+    hit.p = found->p + best.u * found->p_b + best.v * found->p_c + shift;
+    hit.position = o + best.t * d;
+    hit.normal = glm::normalize(glm::cross(found->edge_b, found->edge_c));
+    if (glm::dot(hit.normal, d) > 0) hit.normal = -hit.normal;
+    return hit;
+  }
+};
+
+GeometryTracer::GeometryTracer(const GeometryImage& image) : impl_(std::make_unique<Impl>(image)) {}
+GeometryTracer::~GeometryTracer() = default;
+GeometryTracer::GeometryTracer(GeometryTracer&&) noexcept = default;
+GeometryTracer& GeometryTracer::operator=(GeometryTracer&&) noexcept = default;
+
+std::optional<TraceHit> GeometryTracer::traceView(glm::dvec2 x, const glm::dvec3& wo) const {
+  LODEN_CHECK_LT(0.0, wo.z);
+  const double end = (-impl_->z_min + 1e-6) / wo.z;
+  return impl_->march({x, 0}, -wo, -1e-6 / wo.z, end);
+}
+
+bool GeometryTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  LODEN_CHECK_LT(0.0, direction.z);
+  return impl_->march(origin, direction, 1e-9, (1e-6 - origin.z) / direction.z).has_value();
+}
+
+}  // namespace loden

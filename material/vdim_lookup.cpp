@@ -1,0 +1,193 @@
+// The lookups. vdimLookup is mirrored name for name by shaders/loden_vdim.glsl; keep the order of operations.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "material/vdim.h"
+
+namespace loden {
+namespace {
+
+// Texture instructions per patch: one gather for each of x, y, z (and one for the chart where there are several).
+constexpr int kPatchFetches = 3;
+constexpr int kNewtonSteps = 3;      // inside one patch; costs no fetch
+constexpr float kReach = 6;          // texels that one search may leave its patch by
+constexpr float kInside = 1e-3f;     // texels; patches share straight edges, so a hair suffices
+constexpr float kSeparation = 3.0f / 255.0f;  // of the depth range: closer candidates are one candidate
+
+struct TierLimits {
+  int patches;     // per candidate
+  int candidates;  // tried
+};
+constexpr TierLimits tierLimits(VdimTier tier) { return tier == VdimTier::kFast ? TierLimits{1, 1} : TierLimits{3, 4}; }
+
+template <class T>
+struct ViewRay {
+  glm::vec<2, T> x;      // in [0, 1)^2
+  glm::vec<2, T> slope;  // X(z) = x + slope z
+};
+
+template <class T>
+ViewRay<T> viewRay(glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+  const T cosine = std::max(wo.z, T(std::cos(kThetaMax)));
+  const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);
+  const T scale = std::min(T(1), T(std::sin(kThetaMax)) / std::max(sine, T(1e-6)));
+  return {x - glm::floor(x), glm::vec<2, T>(wo.x, wo.y) * (scale / cosine)};
+}
+
+// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border.
+template <class T>
+std::array<int, 2> nearestLayers(int directions, glm::vec<2, T> square) {
+  const glm::vec<2, T> grid = square * T(directions);
+  const glm::vec<2, T> limit(T(directions) - 1);
+  const glm::vec<2, T> cell = glm::clamp(glm::floor(grid), glm::vec<2, T>(0), limit);
+  const glm::vec<2, T> off = grid - cell - T(0.5);
+  glm::vec<2, T> second = cell;
+  if (std::abs(off.x) > std::abs(off.y))
+    second.x = std::clamp(cell.x + (off.x > 0 ? T(1) : T(-1)), T(0), limit.x);
+  else
+    second.y = std::clamp(cell.y + (off.y > 0 ? T(1) : T(-1)), T(0), limit.y);
+  return {static_cast<int>(cell.y) * directions + static_cast<int>(cell.x),
+          static_cast<int>(second.y) * directions + static_cast<int>(second.x)};
+}
+
+// z of the four entries around x in one layer: texels (0,0), (1,0), (0,1), (1,1) from the lower left one.
+template <class T>
+glm::vec<4, T> gatherDepths(const VdimAtlas& atlas, int layer, glm::vec<2, T> x) {
+  const int n = atlas.size.texels;
+  const int i = static_cast<int>(std::floor(x.x * T(n) - T(0.5))), j = static_cast<int>(std::floor(x.y * T(n) - T(0.5)));
+  const auto* codes = reinterpret_cast<const uint8_t*>(atlas.depth.data.data()) + static_cast<size_t>(layer) * n * n;
+  const auto z = [&](int ci, int cj) {
+    const T code = T(codes[((cj + n) % n) * n + (ci + n) % n]) / T(255);
+    return (T(1) - code) * T(atlas.z_min);
+  };
+  return {z(i, j), z(i + 1, j), z(i, j + 1), z(i + 1, j + 1)};
+}
+
+// Parameter of the surface near the point x + slope z.
+template <class T>
+glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) {
+  if (atlas.volume.empty()) return point;
+  const Texture& v = atlas.volume;
+  const glm::vec<2, T> wrapped = point - glm::floor(point);
+  const T slice = std::clamp(z / T(atlas.z_min) * T(v.depth), T(0), T(v.depth) - T(0.5));
+  const glm::vec4 d = fetchTexel(v, 0, std::min(static_cast<int>(wrapped.x * T(v.width)), v.width - 1),
+                                 std::min(static_cast<int>(wrapped.y * T(v.height)), v.height - 1),
+                                 static_cast<int>(slice));
+  return point + glm::vec<2, T>(T(d.x), T(d.y)) * T(0.5);
+}
+
+// Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
+// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo.
+template <class T>
+bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, glm::vec<2, T>& ab, T& z) {
+  using V2 = glm::vec<2, T>;
+  const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - ray.slope * p.z - ray.x; };
+  const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
+  const V2 q11 = shear(patch.p11) - q00 - q10 - q01;
+  const V2 lower = ab - T(kReach), upper = ab + T(kReach);
+  T det = 0;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
+    const V2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
+    det = qa.x * qb.y - qa.y * qb.x;
+    const T inverse = T(1) / (std::abs(det) > T(1e-12) ? det : T(1e-12));
+    ab -= V2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse;
+    ab = glm::clamp(ab, lower, upper);
+  }
+  z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
+  const V2 centred = glm::abs(ab - T(0.5));
+  return det > 0 && std::max(centred.x, centred.y) <= T(0.5) + T(kInside);
+}
+
+// Newton's search from the point of the ray at height z.
+template <class T>
+void searchFrom(const GeometryImage& image, const VdimAtlas& atlas, const ViewRay<T>& ray, T z, int patches,
+                VdimHit<T>& hit) {
+  using V2 = glm::vec<2, T>;
+  const T n = T(image.side());
+  const V2 point = ray.x + ray.slope * z;
+  V2 p = parameterNear(atlas, point, z);
+  hit.fetches += atlas.volume.empty() ? 0 : 1;
+  int step = 0;
+  do {
+    const V2 texel = p * n - T(0.5), base = glm::floor(texel);
+    V2 ab = texel - base;
+    const Patch<T> patch = fetchPatch<T>(image, static_cast<int>(base.x), static_cast<int>(base.y));
+    hit.fetches += kPatchFetches;
+    const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
+    T hit_z = z;
+    hit.converged = meetPatch(patch, shift, ray, ab, hit_z) && patch.chart != 0;
+    p = (base + ab + T(0.5)) / n;
+    hit.p = p + shift;
+    hit.position = glm::vec<3, T>(ray.x + ray.slope * hit_z, hit_z);
+  } while (!hit.converged && ++step < patches);
+}
+
+}  // namespace
+
+template <class T>
+VdimHit<T> vdimLookup(const GeometryImage& image, const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x,
+                      const glm::vec<3, T>& wo) {
+  const ViewRay<T> ray = viewRay(x, wo);
+  const auto layers = nearestLayers(atlas.size.directions, vdimSquareFromView(wo));
+  const TierLimits limits = tierLimits(tier);
+  VdimHit<T> hit;
+  glm::vec<4, T> near = gatherDepths(atlas, layers[0], ray.x), far = near;
+  hit.fetches = 1;
+  if (tier != VdimTier::kFast) {
+    far = gatherDepths(atlas, layers[1], ray.x);
+    ++hit.fetches;
+  } else {  // the entry under x alone
+    const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
+    const T z = f.y < T(0.5) ? (f.x < T(0.5) ? near.x : near.y) : (f.x < T(0.5) ? near.z : near.w);
+    near = far = glm::vec<4, T>(z);
+  }
+  // Candidates from the one nearest to the viewer down; the first that converges wins.
+  T below = T(1);
+  int tried = 0;
+  bool more = true;
+  do {
+    T z = T(-1e9);
+    for (int k = 0; k < 4; ++k) {
+      z = near[k] < below ? std::max(z, near[k]) : z;
+      z = far[k] < below ? std::max(z, far[k]) : z;
+    }
+    more = z > T(-1e8);
+    if (more) searchFrom(image, atlas, ray, z, limits.patches, hit);
+    below = z + T(kSeparation) * T(atlas.z_min);
+  } while (more && !hit.converged && ++tried < limits.candidates);
+  const glm::vec<2, T> base = glm::floor(x);
+  hit.p += base;
+  hit.position += glm::vec<3, T>(base, 0);
+  return hit;
+}
+
+template <class T>
+glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+  using V2 = glm::vec<2, T>;
+  const V2 base = glm::floor(x);
+  const V2 texel = glm::min(glm::floor((x - base) * T(vdim.side)), V2(T(vdim.side) - 1));
+  const V2 reference = V2(nearestRepeat(vdim.reference, 0, 0, V2((texel + T(0.5)) / T(vdim.side)))) * T(vdim.range.x);
+  const T theta = std::min(std::acos(std::clamp(wo.z, T(-1), T(1))), T(kThetaMax));
+  T phi = wo.x == 0 && wo.y == 0 ? T(0) : std::atan2(wo.y, wo.x);
+  if (phi < 0) phi += T(2 * kPi);
+  const V2 size(T(vdim.azimuths), T(vdim.zeniths));
+  // alpha = (n - 1) / n and beta = 1 / (2n) of FBTF 3.5, in texels: no blending across texels' blocks.
+  const V2 within = V2(phi / T(2 * kPi), theta / T(kThetaMax)) * (size - T(1)) + T(0.5);
+  const V2 uv = (texel * size + within) / (T(vdim.side) * size);
+  const glm::vec<4, T> entry = sampleRepeat(vdim.packed, 0, 0, uv);
+  const V2 direction(entry.x, entry.y);
+  const T length = std::sqrt(glm::dot(direction, direction));
+  return x + reference + (length > T(1e-6) ? direction / length : V2(0)) * (entry.z * T(vdim.range.y));
+}
+
+template VdimHit<float> vdimLookup(const GeometryImage&, const VdimAtlas&, VdimTier, glm::vec<2, float>,
+                                   const glm::vec<3, float>&);
+template VdimHit<double> vdimLookup(const GeometryImage&, const VdimAtlas&, VdimTier, glm::vec<2, double>,
+                                    const glm::vec<3, double>&);
+template glm::vec<2, float> paperVdimLookup(const PaperVdim&, glm::vec<2, float>, const glm::vec<3, float>&);
+template glm::vec<2, double> paperVdimLookup(const PaperVdim&, glm::vec<2, double>, const glm::vec<3, double>&);
+
+}  // namespace loden

@@ -1,0 +1,72 @@
+// Shared by C++ and GLSL: limits, texture bindings and the material's uniform block. Names beginning with
+// LODEN_ are the same on both sides; a GL test asks the driver for every offset.
+#ifndef LODEN_SHARED_H
+#define LODEN_SHARED_H
+
+#define LODEN_MAX_BANDS 8   // that one shader reads; files may hold more (LODEN limits in material/asset.h)
+#define LODEN_MAX_QUADS 16  // of one band
+
+// Texture units. Arrays of LODEN_MAX_BANDS begin at the first two.
+#define LODEN_UNIT_WEIGHTS 0
+#define LODEN_UNIT_TABLE 8
+#define LODEN_UNIT_GEOMETRY 16
+#define LODEN_UNIT_VDIM_DEPTH 17
+#define LODEN_UNIT_VDIM_VOLUME 18
+#define LODEN_UNIT_NORMAL 19
+#define LODEN_UNIT_DIFFUSE 20
+#define LODEN_UNIT_SPECULAR 21
+#define LODEN_UNIT_NEAREST_LIGHT 22
+#define LODEN_UNIT_NEAREST_VIEW 23
+#define LODEN_UNIT_PAPER_REFERENCE 22  // the paper's VDIM and nearest tables never meet in one variant
+#define LODEN_UNIT_PAPER_PACKED 23
+#define LODEN_UNIT_FIRST_FREE 24  // units 24 and up belong to the renderer
+
+#define LODEN_BLOCK_MATERIAL 0    // uniform block binding
+#define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer
+
+// Bits of LodenBandData.layout.x
+#define LODEN_BAND_FLAT 1     // weights are read at p, else at x
+#define LODEN_BAND_LINEAR 2   // filtered weights, else nearest
+#define LODEN_BAND_GRID 4     // grid table, else nearest sampled pair
+#define LODEN_BAND_RATIO 8    // one more layer of weights: Cb/Y and Cr/Y
+// Bits of LodenMaterialData.flags.x
+#define LODEN_MEAN_RATIO 1            // the mean's chroma is a multiple of its Y
+#define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
+#define LODEN_IDENTITY 4              // P.xy == p: no closest-point volume
+#define LODEN_CHARTS 8                // several charts: patches must not bridge them
+
+#ifdef __cplusplus
+#include <glm/glm.hpp>
+namespace loden {
+using vec4 = glm::vec4;
+using ivec4 = glm::ivec4;
+#endif
+
+// std140: only vec4 and ivec4, so that both languages agree.
+struct LodenBandData {
+  vec4 window;     // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
+  vec4 mip;        // lambda_first, mips - 1, unused, unused
+  ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
+  vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
+  vec4 ratio_scale;                  // of the ratio layer
+};
+
+struct LodenMaterialData {
+  ivec4 flags;      // bits, number of bands, atlas texels per side, atlas directions per side
+  vec4 mean;        // ka, kd, ks, alpha
+  vec4 mean_chroma; // cb, cr, smallest resident lambda (the shader clamps to it), 1 if geometry and VDIM are resident
+  vec4 theta_max;   // radians, cosine, sine, 1 / radians
+  vec4 grid;        // thetas, phis, (thetas - 1) / theta_max, (phis - 1) / (2 pi)
+  vec4 geometry;    // range.xyz (tile periods), texels per side
+  vec4 surface;     // specular_scale, reference texels per side, value_scale, lambda_max
+  vec4 paper;       // range.x, range.y, zeniths, azimuths of the paper's VDIM
+  LodenBandData bands[LODEN_MAX_BANDS];
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(LodenBandData) == 16 * (4 + LODEN_MAX_QUADS));
+static_assert(sizeof(LodenMaterialData) == 16 * 8 + LODEN_MAX_BANDS * sizeof(LodenBandData));
+}  // namespace loden
+#endif
+
+#endif

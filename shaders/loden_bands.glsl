@@ -1,0 +1,103 @@
+// The sum over bands: w_b(lambda) * dot(D_b(q_b), E_b(wi, wo)). Mirrors material/evaluate.cpp.
+// Fetches per band and light: quads * 3 in grid layout (weights, two trilinear table fetches), quads * 2 in
+// nearest layout, and 1 for the ratio layer.
+
+#ifdef LODEN_BANDS
+
+struct LodenTablePosition {
+  vec2 light, view;             // (column, row) of the grid
+  int light_index, view_index;  // of the nearest samples
+};
+
+float loden_window_weight(vec4 window, float lambda) {
+  return clamp((lambda - window.x) * window.y, 0.0, 1.0) * clamp((window.z - lambda) * window.w, 0.0, 1.0);
+}
+
+LodenTablePosition loden_table_position(vec3 wi, vec3 wo) {
+  LodenTablePosition at;
+  at.light = loden_grid_position(loden_material.grid, wi);
+  at.view = loden_grid_position(loden_material.grid, wo);
+  at.light_index = 0;
+  at.view_index = 0;
+#ifdef LODEN_TABLES_NEAREST
+  vec2 size = vec2(textureSize(loden_nearest_light, 0));
+  LODEN_COUNT(2);
+  at.light_index = int(texelFetch(loden_nearest_light, ivec2(clamp((wi.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
+  at.view_index = int(texelFetch(loden_nearest_view, ivec2(clamp((wo.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
+#endif
+  return at;
+}
+
+vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
+#ifdef LODEN_TABLES_NEAREST
+  LODEN_COUNT(1);
+  return texelFetch(loden_table[band], ivec3(at.light_index, at.view_index, quad), 0);
+#else
+  vec4 grid = loden_material.grid;
+  float row = min(floor(at.view.y), grid.x - 2.0);
+  vec3 size = vec3(textureSize(loden_table[band], 0));
+  vec3 texel = vec3(at.light.x + 0.5, row * grid.x + at.light.y + 0.5, float(quad) * grid.y + at.view.x + 0.5);
+  LODEN_COUNT(2);
+  vec4 below = textureLod(loden_table[band], texel / size, 0.0);
+  vec4 above = textureLod(loden_table[band], (texel + vec3(0.0, grid.x, 0.0)) / size, 0.0);
+  return mix(below, above, at.view.y - row);
+#endif
+}
+
+vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
+  LODEN_COUNT(1);
+#ifdef LODEN_TABLES_NEAREST
+  if ((loden_material.bands[band].layout_.x & LODEN_BAND_LINEAR) == 0) {
+    vec2 size = vec2(textureSize(loden_weights[band], 0).xy);
+    return texelFetch(loden_weights[band], ivec3(ivec2(min(floor(fract(q) * size), size - 1.0)), layer), 0);
+  }
+#endif
+  return textureLod(loden_weights[band], vec3(q, float(layer)), lod);
+}
+
+// (Y, Cb, Cr) that one band adds at full weight. The loop has a dynamic bound on purpose: renderers that run
+// both sides of every branch still skip iterations.
+vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mean) {
+  ivec4 layout_ = loden_material.bands[band].layout_;
+  vec2 q = (layout_.x & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
+  vec2 mip = loden_material.bands[band].mip.xy;
+  float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
+  int quads = layout_.y + layout_.z;
+  vec3 sum = vec3(0.0);
+  int quad = 0;
+  do {
+    vec4 product = loden_fetch_weights(band, quad, q, lod) * loden_fetch_table(band, quad, at) *
+                   loden_material.bands[band].quad_scale[quad];
+    vec2 halves = vec2(product.x + product.y, product.z + product.w);
+    sum += quad < layout_.y ? vec3(halves.x + halves.y, 0.0, 0.0) : vec3(0.0, halves);
+  } while (++quad < quads);
+  if ((layout_.x & LODEN_BAND_RATIO) != 0) {
+    vec2 ratio = loden_fetch_weights(band, layout_.w, q, lod).xy * loden_material.bands[band].ratio_scale.xy;
+    sum.yz += ratio * (sum.x + mean.x) - mean.yz;
+  }
+  return sum;
+}
+
+// All bands whose window is open at the hit's lambda, from the coarsest to the finest that is needed, so that
+// the band index is the same for all invocations that execute an iteration (dynamically uniform).
+vec3 loden_evaluate_bands(LodenHit hit, LodenTablePosition at, vec3 mean) {
+  float lambda = hit.lambda;
+  int finest = LODEN_BANDS - 1;
+  for (int b = LODEN_BANDS - 1; b >= 0; --b)
+    finest = loden_window_weight(loden_material.bands[b].window, lambda) > 0.0 ? b : finest;
+#ifdef LODEN_NO_BRANCH
+  finest = 0;
+#endif
+  vec3 sum = vec3(0.0);
+  int band = LODEN_BANDS - 1;
+  do {
+    float weight = loden_window_weight(loden_material.bands[band].window, lambda);
+#ifdef LODEN_NO_BRANCH
+    sum += weight * loden_evaluate_band(band, hit, at, mean);
+#else
+    if (weight > 0.0) sum += weight * loden_evaluate_band(band, hit, at, mean);
+#endif
+  } while (--band >= finest);
+  return sum;
+}
+#endif  // LODEN_BANDS

@@ -1,0 +1,55 @@
+// Directions and the maps between them and tables. Mirrors material/directions.h; unit vectors in the tangent
+// frame of the reference plane, pointing away from the surface.
+
+const float LODEN_PI = 3.14159265358979;
+// Views beyond 85 degrees are looked up at it (material/vdim.h, kThetaMax).
+const float LODEN_VDIM_COS = 0.0871557427476582;
+const float LODEN_VDIM_SIN = 0.996194698091746;
+const float LODEN_VDIM_RIM = 3.13130133147093;  // atanh(sin 85 degrees)
+
+// Square [0,1]^2 from the unit disk (Shirley and Chiu 1997).
+vec2 loden_square_from_disk(vec2 disk) {
+  float radius = sqrt(disk.x * disk.x + disk.y * disk.y);
+  if (radius == 0.0) return vec2(0.5);
+  const float quarter = LODEN_PI / 4.0;
+  float phi = atan(disk.y, disk.x);
+  phi = phi < -quarter ? phi + 2.0 * LODEN_PI : phi;
+  float a, b;
+  if (phi < quarter) {
+    a = radius;
+    b = phi * a / quarter;
+  } else if (phi < 3.0 * quarter) {
+    b = radius;
+    a = -(phi - 2.0 * quarter) * b / quarter;
+  } else if (phi < 5.0 * quarter) {
+    a = -radius;
+    b = (phi - 4.0 * quarter) * a / quarter;
+  } else {
+    b = -radius;
+    a = -(phi - 6.0 * quarter) * b / quarter;
+  }
+  return (vec2(a, b) + 1.0) / 2.0;
+}
+
+vec2 loden_vdim_square_from_view(vec3 wo) {
+  float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
+  if (sine <= 1e-6) return vec2(0.5);
+  float clamped = min(sine, LODEN_VDIM_SIN);
+  float radius = 0.5 * log((1.0 + clamped) / (1.0 - clamped)) / LODEN_VDIM_RIM;
+  return loden_square_from_disk(wo.xy * (min(radius, 1.0) / sine));
+}
+
+// theta_max = (radians, cosine, sine, unused): the direction, at most that far from the normal.
+vec3 loden_clamp_theta(vec3 w, vec4 theta_max) {
+  if (w.z >= theta_max.y) return w;
+  float sine = sqrt(w.x * w.x + w.y * w.y);
+  return vec3(w.xy * (theta_max.z / max(sine, 1e-6)), theta_max.y);
+}
+
+// (column, row) of a direction in a lat-long grid; grid = (thetas, phis, (thetas-1)/theta_max, (phis-1)/2pi).
+vec2 loden_grid_position(vec4 grid, vec3 w) {
+  float theta = acos(clamp(w.z, -1.0, 1.0));
+  float phi = w.x == 0.0 && w.y == 0.0 ? 0.0 : atan(w.y, w.x);
+  phi = phi < 0.0 ? phi + 2.0 * LODEN_PI : phi;
+  return vec2(phi * grid.w, min(theta * grid.z, grid.x - 1.0));
+}

@@ -1,0 +1,57 @@
+// What the library reads: one uniform block and its textures. A renderer binds these (units in loden_shared.h)
+// and defines nothing else.
+
+#ifdef VULKAN
+#define LODEN_BINDING(n) layout(set = LODEN_DESCRIPTOR_SET, binding = n)
+#define LODEN_BLOCK(n) layout(std140, set = LODEN_DESCRIPTOR_SET, binding = 32 + n)
+#else
+#define LODEN_BINDING(n) layout(binding = n)
+#define LODEN_BLOCK(n) layout(std140, binding = n)
+#endif
+
+#ifdef LODEN_COUNT_FETCHES
+int loden_fetches = 0;  // texture instructions issued by this invocation
+#define LODEN_COUNT(n) (loden_fetches += (n))
+#else
+#define LODEN_COUNT(n)
+#endif
+
+LODEN_BLOCK(LODEN_BLOCK_MATERIAL) uniform LodenMaterialBlock { LodenMaterialData loden_material; };
+
+#ifdef LODEN_BANDS
+LODEN_BINDING(LODEN_UNIT_WEIGHTS) uniform sampler2DArray loden_weights[LODEN_BANDS];  // repeat, trilinear
+LODEN_BINDING(LODEN_UNIT_TABLE) uniform sampler3D loden_table[LODEN_BANDS];           // clamp, linear
+#endif
+#if defined(LODEN_TABLES_NEAREST)
+LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
+LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;
+#endif
+LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform sampler2D loden_geometry;             // repeat, nearest
+LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;    // repeat, nearest
+LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;       // nearest
+#ifdef LODEN_LOOKUP_PAPER
+LODEN_BINDING(LODEN_UNIT_PAPER_REFERENCE) uniform sampler2DArray loden_paper_reference;  // nearest
+LODEN_BINDING(LODEN_UNIT_PAPER_PACKED) uniform sampler2DArray loden_paper_packed;        // repeat, linear
+#endif
+#ifdef LODEN_MODE_SURFACE
+LODEN_BINDING(LODEN_UNIT_NORMAL) uniform sampler2DArray loden_normal;      // repeat, trilinear, as all three
+LODEN_BINDING(LODEN_UNIT_DIFFUSE) uniform sampler2DArray loden_diffuse;
+LODEN_BINDING(LODEN_UNIT_SPECULAR) uniform sampler2DArray loden_specular;
+#endif
+
+// State of one drawn instance, next to the material's block.
+struct LodenMaterial {
+  float lambda_min;    // finest level that is resident; finer requests show this one
+  float lambda_bias;   // added to the footprint's lambda
+  bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
+};
+
+LodenMaterial loden_material_default() { return LodenMaterial(0.0, 0.0, true); }
+
+// One shading point, shared by all lights.
+struct LodenHit {
+  vec2 x;        // reference domain, tile periods
+  vec2 p;        // parameter domain
+  float lambda;  // level of detail
+  float depth;   // z of the hit, tile periods, <= 0
+};

@@ -1,0 +1,126 @@
+// Loden's shader library: evaluates one material. No dependency on any renderer. Order of inclusion:
+//   loden_shared.h, loden_interface.glsl, loden_directions.glsl, loden_vdim.glsl, loden_bands.glsl,
+//   loden_material.glsl
+// Defines of a variant (runtime/shader_variants.h lists those in use):
+//   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
+//   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
+//   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
+//   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
+//   LODEN_NO_BRANCH                                            evaluates closed windows too, to measure the gain
+//   LODEN_LOD_DISTANCE                                         lambda by LBTF's distance rule
+//
+// Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
+//   LodenMaterial m = loden_material_default();
+//   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
+//   radiance += irradiance * value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
+
+// Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that is
+// longer: blur along a stretched footprint is bounded, and so is aliasing.
+float loden_lambda_from_footprint(vec2 dx, vec2 dy) {
+  float side = loden_material.surface.y;
+  float xx = dot(dx, dx), yy = dot(dy, dy);
+  float major = sqrt(max(xx, yy)), minor = sqrt(min(xx, yy));
+  return log2(max(max(minor, 0.5 * major) * side, 1e-6));
+}
+
+// LBTF 3.4, step 2; distance in units at which one texel covers one pixel.
+float loden_lambda_from_distance(float distance_) { return log2(max(distance_, 1e-6)); }
+
+// Share of the parallax to apply: 1 down to half a texel of the level that is shown, then fading to 0, so that
+// the lookup can be skipped where nothing of it is seen.
+float loden_parallax_fade(float lambda, vec3 wo) {
+  float slope = length(wo.xy) / max(wo.z, LODEN_VDIM_COS);
+  float texels = loden_material.geometry.z * slope * loden_material.surface.y * exp2(-lambda);
+  return clamp(4.0 * texels - 1.0, 0.0, 1.0);
+}
+
+// True if anything shown at this lambda is read at p.
+bool loden_needs_parameter(float lambda) {
+#ifdef LODEN_MODE_SURFACE
+  return true;
+#else
+  bool needed = false;
+  for (int b = 0; b < LODEN_BANDS; ++b)
+    needed = needed || ((loden_material.bands[b].layout_.x & LODEN_BAND_FLAT) != 0 &&
+                        loden_window_weight(loden_material.bands[b].window, lambda) > 0.0);
+  return needed;
+#endif
+}
+
+LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
+  LodenHit hit;
+  hit.x = x;
+  hit.p = x;
+  hit.depth = 0.0;
+  hit.lambda = max(max(lambda, m.lambda_min), 0.0);
+#ifdef LODEN_TABLES_NEAREST
+  hit.lambda = min(hit.lambda, loden_material.surface.w);
+#endif
+#if defined(LODEN_LOOKUP_PAPER)
+  hit.p = loden_paper_vdim_lookup(x, wo);
+#elif defined(LODEN_LOOKUP_DEFAULT) || defined(LODEN_LOOKUP_FAST)
+  float fade = m.skip_parallax ? loden_parallax_fade(hit.lambda, wo) : 1.0;
+  if (fade > 0.0 && loden_needs_parameter(hit.lambda)) {
+    LodenVdimHit found = loden_vdim_lookup(x, wo);
+    hit.p = mix(x, found.p, fade);
+    hit.depth = found.position.z * fade;
+  }
+#endif
+  return hit;
+}
+
+LodenHit loden_find_hit(LodenMaterial m, vec2 x, vec2 dx, vec2 dy, vec3 wo_ts) {
+  return loden_find_hit_at(m, x, loden_lambda_from_footprint(dx, dy) + m.lambda_bias, wo_ts);
+}
+
+// (Y, Cb, Cr) of the fitted mean (LBTF eqs. 5, 6).
+vec3 loden_evaluate_mean(vec3 wi, vec3 wo) {
+  vec3 sum = wi + wo;
+  float half_cosine = max(sum.z / sqrt(max(dot(sum, sum), 1e-12)), 0.0);
+  vec4 k = loden_material.mean;
+  float y = k.x + k.y * max(wi.z, 0.0) + k.z * pow(half_cosine, k.w);
+  float chroma_scale = (loden_material.flags.x & LODEN_MEAN_RATIO) != 0 ? y : 1.0;
+  return vec3(y, loden_material.mean_chroma.xy * chroma_scale);
+}
+
+vec3 loden_rgb_from_ycc(vec3 ycc) {
+  return vec3(ycc.x + 1.402 * ycc.z, ycc.x - 0.344136286201022 * ycc.y - 0.714136286201022 * ycc.z,
+              ycc.x + 1.772 * ycc.y);
+}
+
+#ifdef LODEN_MODE_SURFACE
+// FBTF's GPU mode: an analytic appearance read at p (3.5).
+vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
+  LODEN_COUNT(3);
+  vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), hit.lambda).xyz;
+  vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), hit.lambda).xyz;
+  vec2 specular = textureLod(loden_specular, vec3(hit.p, 0.0), hit.lambda).xy;
+  float length_ = max(sqrt(dot(mapped, mapped)), 1e-4);
+  vec3 normal = mapped / length_;
+  // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
+  float sharp = exp2(specular.y * 12.0);
+  float shortened = min(length_, 1.0);
+  float exponent = sharp * shortened / (shortened + sharp * (1.0 - shortened));
+  float strength = specular.x * loden_material.surface.x * (exponent + 8.0) / (sharp + 8.0);
+  vec3 sum = wi + wo;
+  vec3 half_ = sum / max(sqrt(dot(sum, sum)), 1e-6);
+  float lobe = pow(max(dot(normal, half_), 1e-6), exponent);
+  return (diffuse + strength * lobe) * max(dot(normal, wi), 0.0);
+}
+#endif
+
+// Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i).
+vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
+  if (wi_ts.z <= 0.0 || wo_ts.z <= 0.0) return vec3(0.0);
+#ifdef LODEN_MODE_SURFACE
+  return loden_evaluate_surface(hit, wi_ts, wo_ts);
+#else
+  vec3 wi = loden_clamp_theta(wi_ts, loden_material.theta_max);
+  vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
+  bool with_cosine = (loden_material.flags.x & LODEN_COSINE_INCLUDED) != 0;
+  float fade = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : 1.0;
+  vec3 mean = loden_evaluate_mean(wi, wo);
+  vec3 bands = loden_evaluate_bands(hit, loden_table_position(wi, wo), mean);
+  return loden_rgb_from_ycc(mean + bands) * fade;
+#endif
+}

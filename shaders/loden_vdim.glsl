@@ -1,0 +1,192 @@
+// View-dependent indirection: p = VDIM(x, wo). Mirrors material/vdim_lookup.cpp name for name.
+// Default: 2 gathers for 8 candidate depths, then per candidate 1 fetch (none on identity parameterizations)
+// and 3 gathers per patch visited. Fast: 1 candidate, 1 patch.
+
+#ifdef LODEN_LOOKUP_FAST
+const int LODEN_VDIM_PATCHES = 1;
+const int LODEN_VDIM_CANDIDATES = 1;
+#else
+const int LODEN_VDIM_PATCHES = 3;
+const int LODEN_VDIM_CANDIDATES = 4;
+#endif
+const int LODEN_NEWTON_STEPS = 3;
+const float LODEN_REACH = 6.0;              // texels
+const float LODEN_INSIDE = 1e-3;            // texels
+const float LODEN_SEPARATION = 3.0 / 255.0;  // of the depth range
+
+struct LodenVdimHit {
+  vec2 p;        // unwrapped
+  vec3 position;  // tile periods
+  bool converged;
+};
+
+struct LodenViewRay {
+  vec2 x;      // in [0, 1)^2
+  vec2 slope;  // X(z) = x + slope z
+};
+
+LodenViewRay loden_view_ray(vec2 x, vec3 wo) {
+  float cosine = max(wo.z, LODEN_VDIM_COS);
+  float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
+  float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
+  return LodenViewRay(x - floor(x), wo.xy * (scale / cosine));
+}
+
+// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border.
+ivec2 loden_nearest_layers(int directions, vec2 square) {
+  vec2 grid = square * float(directions);
+  vec2 limit = vec2(float(directions) - 1.0);
+  vec2 cell = clamp(floor(grid), vec2(0.0), limit);
+  vec2 off = grid - cell - 0.5;
+  vec2 second = cell;
+  if (abs(off.x) > abs(off.y))
+    second.x = clamp(cell.x + (off.x > 0.0 ? 1.0 : -1.0), 0.0, limit.x);
+  else
+    second.y = clamp(cell.y + (off.y > 0.0 ? 1.0 : -1.0), 0.0, limit.y);
+  return ivec2(int(cell.y) * directions + int(cell.x), int(second.y) * directions + int(second.x));
+}
+
+// z of the four entries around x in one layer, as (lower left, lower right, upper left, upper right).
+vec4 loden_gather_depths(int layer, vec2 x) {
+  float n = float(loden_material.flags.z);
+  vec2 base = floor(x * n - 0.5);
+  LODEN_COUNT(1);
+  vec4 code = textureGather(loden_vdim_depth, vec3((base + 1.0) / n, float(layer)), 0).wzxy;
+  return (code - 1.0) * loden_material.geometry.z;
+}
+
+// Parameter of the surface near the point x + slope z.
+vec2 loden_parameter_near(vec2 point, float z) {
+  if ((loden_material.flags.x & LODEN_IDENTITY) != 0) return point;
+  vec3 size = vec3(textureSize(loden_vdim_volume, 0));
+  vec2 wrapped = point - floor(point);
+  float slice = clamp(z / -loden_material.geometry.z * size.z, 0.0, size.z - 0.5);
+  LODEN_COUNT(1);
+  vec2 d = texelFetch(loden_vdim_volume, ivec3(min(vec3(wrapped * size.xy, slice), size - 1.0)), 0).xy;
+  return point + d * 0.5;
+}
+
+struct LodenPatch {
+  vec3 p00, p10, p01, p11;  // P - p of the patch's lower left corner + that corner's p
+  bool exists;
+};
+
+// The bilinear patch whose lower left corner is texel `base`.
+LodenPatch loden_fetch_patch(vec2 base) {
+  vec3 range = loden_material.geometry.xyz;
+  float n = loden_material.geometry.w;
+  vec2 uv = (base + 1.0) / n;
+  LODEN_COUNT(3);
+  vec4 x = (textureGather(loden_geometry, uv, 0) - 0.5) * range.x;
+  vec4 y = (textureGather(loden_geometry, uv, 1) - 0.5) * range.y;
+  vec4 z = (textureGather(loden_geometry, uv, 2) - 1.0) * range.z;
+  vec2 lower = (base + 0.5) / n, upper = (base + 1.5) / n;
+  LodenPatch patch_;
+  patch_.p00 = vec3(lower.x + x.w, lower.y + y.w, z.w);
+  patch_.p10 = vec3(upper.x + x.z, lower.y + y.z, z.z);
+  patch_.p01 = vec3(lower.x + x.x, upper.y + y.x, z.x);
+  patch_.p11 = vec3(upper.x + x.y, upper.y + y.y, z.y);
+  patch_.exists = true;
+  if ((loden_material.flags.x & LODEN_CHARTS) != 0) {
+    LODEN_COUNT(1);
+    vec4 chart = textureGather(loden_geometry, uv, 3);
+    patch_.exists = chart.x > 0.0 && chart.x == chart.y && chart.x == chart.z && chart.x == chart.w;
+  }
+  return patch_;
+}
+
+vec2 loden_shear(vec3 p, vec2 shift, LodenViewRay ray) { return p.xy + shift - ray.slope * p.z - ray.x; }
+
+// Newton's method on the patch as seen along the ray, Q(a, b) = P.xy - slope P.z = x.
+bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, inout vec2 ab, out float z) {
+  vec2 q00 = loden_shear(patch_.p00, shift, ray);
+  vec2 q10 = loden_shear(patch_.p10, shift, ray) - q00;
+  vec2 q01 = loden_shear(patch_.p01, shift, ray) - q00;
+  vec2 q11 = loden_shear(patch_.p11, shift, ray) - q00 - q10 - q01;
+  vec2 lower = ab - LODEN_REACH, upper = ab + LODEN_REACH;
+  float det = 0.0;
+  for (int newton = 0; newton < LODEN_NEWTON_STEPS; ++newton) {
+    vec2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
+    vec2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
+    det = qa.x * qb.y - qa.y * qb.x;
+    float inverse_ = 1.0 / (abs(det) > 1e-12 ? det : 1e-12);
+    ab -= vec2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse_;
+    ab = clamp(ab, lower, upper);
+  }
+  z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
+  vec2 centred = abs(ab - 0.5);
+  return det > 0.0 && max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE;
+}
+
+void loden_search_from(LodenViewRay ray, float z, inout LodenVdimHit hit) {
+  float n = loden_material.geometry.w;
+  vec2 point = ray.x + ray.slope * z;
+  vec2 p = loden_parameter_near(point, z);
+  int visited = 0;
+  do {
+    vec2 texel = p * n - 0.5, base = floor(texel);
+    vec2 ab = texel - base;
+    LodenPatch patch_ = loden_fetch_patch(base);
+    vec2 shift = floor(point - patch_.p00.xy + 0.5);
+    float hit_z = z;
+    hit.converged = loden_meet_patch(patch_, shift, ray, ab, hit_z) && patch_.exists;
+    p = (base + ab + 0.5) / n;
+    hit.p = p + shift;
+    hit.position = vec3(ray.x + ray.slope * hit_z, hit_z);
+  } while (!hit.converged && ++visited < LODEN_VDIM_PATCHES);
+}
+
+float loden_highest_below(vec4 depths, float below, float z) {
+  vec4 usable = mix(vec4(-1e9), depths, lessThan(depths, vec4(below)));
+  return max(z, max(max(usable.x, usable.y), max(usable.z, usable.w)));
+}
+
+LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
+  LodenViewRay ray = loden_view_ray(x, wo);
+  ivec2 layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(wo));
+  LodenVdimHit hit;
+  hit.p = ray.x;
+  hit.position = vec3(ray.x, 0.0);
+  hit.converged = false;
+  vec4 near_ = loden_gather_depths(layers.x, ray.x);
+#ifdef LODEN_LOOKUP_FAST
+  vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);  // the entry under x alone
+  near_ = vec4(f.y < 0.5 ? (f.x < 0.5 ? near_.x : near_.y) : (f.x < 0.5 ? near_.z : near_.w));
+  vec4 far_ = near_;
+#else
+  vec4 far_ = loden_gather_depths(layers.y, ray.x);
+#endif
+  float below = 1.0;
+  int tried = 0;
+  bool more = true;
+  // Candidates from the one nearest to the viewer down; the first that converges wins.
+  do {
+    float z = loden_highest_below(far_, below, loden_highest_below(near_, below, -1e9));
+    more = z > -1e8;
+    if (more) loden_search_from(ray, z, hit);
+    below = z - LODEN_SEPARATION * loden_material.geometry.z;
+  } while (more && !hit.converged && ++tried < LODEN_VDIM_CANDIDATES);
+  vec2 base = floor(x);
+  hit.p += base;
+  hit.position.xy += base;
+  return hit;
+}
+
+#ifdef LODEN_LOOKUP_PAPER
+// The published lookup (FBTF 3.5): blended over directions, reference unfiltered; 2 fetches.
+vec2 loden_paper_vdim_lookup(vec2 x, vec3 wo) {
+  float side = loden_material.surface.y;
+  vec2 texel = min(floor((x - floor(x)) * side), vec2(side - 1.0));
+  LODEN_COUNT(2);
+  vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper.x;
+  float theta = min(acos(clamp(wo.z, -1.0, 1.0)), 85.0 * LODEN_PI / 180.0);
+  float phi = wo.x == 0.0 && wo.y == 0.0 ? 0.0 : atan(wo.y, wo.x);
+  phi = phi < 0.0 ? phi + 2.0 * LODEN_PI : phi;
+  vec2 size = loden_material.paper.wz;
+  vec2 within = vec2(phi / (2.0 * LODEN_PI), theta / (85.0 * LODEN_PI / 180.0)) * (size - 1.0) + 0.5;
+  vec4 entry = textureLod(loden_paper_packed, vec3((texel * size + within) / (side * size), 0.0), 0.0);
+  float length_ = sqrt(dot(entry.xy, entry.xy));
+  vec2 direction = length_ > 1e-6 ? entry.xy / length_ : vec2(0.0);
+  return x + reference + direction * (entry.z * loden_material.paper.y);
+}
+#endif

@@ -1,0 +1,46 @@
+// A BTF read one view at a time, whatever it comes from: a bake, a cooked material, a measured set.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "importer/baked_output.h"
+#include "material/directions.h"
+#include "material/evaluate.h"
+#include "material/result.h"
+
+namespace loden::importer {
+
+class BtfSource {
+ public:
+  virtual ~BtfSource() = default;
+  virtual const std::string& name() const = 0;
+  virtual glm::ivec2 size() const = 0;  // texels, width and height
+  virtual const DirectionSet& lights() const = 0;
+  virtual const DirectionSet& views() const = 0;
+  // True if values are multiplied by the light's cosine (white Lambert: cos theta_i), false if not (1).
+  virtual bool cosineIncluded() const { return true; }
+  // [light][texel] linear RGB, texel = j * width + i. Thread safe.
+  virtual Result<std::vector<glm::vec3>> view(int view) const = 0;
+};
+
+// The BTF of a bake. It must have one.
+Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked);
+
+// A material at the centres of `side` x `side` texels. The evaluator must outlive it.
+struct MaterialSampling {
+  int side = 0;            // 0: the material's own at lambda
+  double lambda = 0;
+  Lookup lookup = Lookup::kDefault;
+  Domain domain = Domain::kReference;  // flat: the texel is p itself, so that no parallax is seen
+  DirectionSet lights, views;
+};
+std::unique_ptr<BtfSource> materialSource(const Evaluator& evaluator, MaterialSampling sampling);
+
+// One slice of a material: [texel] linear RGB at the given directions.
+std::vector<glm::vec3> materialSlice(const Evaluator& evaluator, const MaterialSampling& sampling,
+                                     const glm::dvec3& wi, const glm::dvec3& wo);
+
+}  // namespace loden::importer

@@ -1,0 +1,35 @@
+// What stands between an untrusted glTF file and the JSON parser: a nesting scan, and file access that cannot
+// leave the asset's folder.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "material/result.h"
+
+namespace loden::runtime {
+
+inline constexpr int kMaxJsonDepth = 64;                    // nested arrays and objects
+inline constexpr uint64_t kMaxGltfBytes = uint64_t(1) << 30;  // of any one file
+
+// OK if arrays and objects nest at most kMaxJsonDepth deep outside of strings; kGltfDepth otherwise. The text
+// need not be valid JSON.
+Status checkJsonDepth(std::string_view json, const std::string& name);
+
+// The JSON text of a .gltf (all of it) or a .glb (its first chunk); kGltfParse if the .glb header is damaged.
+// Points into `bytes`.
+Result<std::string_view> gltfJson(std::span<const std::byte> bytes, const std::string& name);
+
+// The file that a glTF relative URI (percent-encoding decoded) names inside `folder`, links followed;
+// kGltfPath if it would lie outside or is no relative path.
+Result<std::filesystem::path> confinedPath(const std::filesystem::path& folder, std::string_view uri);
+
+// All bytes of a regular file of at most kMaxGltfBytes.
+Result<std::vector<std::byte>> readRegularFile(const std::filesystem::path& path);
+
+}  // namespace loden::runtime

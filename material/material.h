@@ -36,6 +36,7 @@ struct Material {
   Mode mode = Mode::kFused;
   std::string name;
   int side = 0;           // reference texels per side at lambda 0
+  float lambda_min = 0;   // the finest level that the bands give; above 0 if finer ones are left out
   float lambda_max = 0;   // the last level that any band gives
   float value_scale = 1;  // radiance per unit perpendicular irradiance = value_scale * value; 1/pi for white = 1
   bool cosine_included = true;

@@ -54,5 +54,6 @@ inline constexpr int kOption = 6008;
 inline constexpr int kGlContext = 7001;
 inline constexpr int kShader = 7002;
 inline constexpr int kGpuMemory = 7003;
+inline constexpr int kGlDebug = 7004;
 
 }  // namespace loden::issue_id

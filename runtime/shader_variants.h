@@ -29,7 +29,7 @@ inline constexpr int kMaxShaderBands = 8;
 struct ProgramRow {
   std::string_view name;
   std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
-  std::string_view defines;           // "A=1 B" or empty
+  std::string_view defines;           // one more define, "NAME VALUE", or empty
   bool none = false;     // may be built without a material
   bool surface = false;  // for surface materials
   bool bands = false;    // for 1 .. kMaxShaderBands bands

@@ -1,0 +1,219 @@
+#!/usr/bin/env bash
+# Loden's one entry: installs what is missing (Debian 12), configures, builds what the verb needs, runs it.
+# Output of every step goes to build/logs/; the screen gets one line per step, live on a terminal.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+readonly BUILD=build/release
+readonly LOGS=build/logs
+readonly BIN=$BUILD/bin
+readonly TILES=(button isba pulli sponge)
+readonly PACKAGES=(
+  build-essential ca-certificates ccache cmake ninja-build pkg-config
+  libbenchmark-dev libceres-dev libcli11-dev libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev
+  libglfw3-dev libglm-dev libgtest-dev libimgui-dev libopenimageio-dev libosd-dev libstb-dev libtbb-dev
+  libtinygltf-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
+  libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools xauth xvfb
+)
+
+usage() {
+  cat <<'TEXT'
+usage: ./loden.sh VERB
+
+  demo      bake the four builtin tiles, cook them, walk through the gallery; ends by naming a picture
+  test      build everything and run all tests
+  bench     build and run the benchmarks
+  studies   run the papers' studies; tables and JSON below out/studies
+  pictures  ray traced truth beside the three modes, near and far: PSNR, FLIP and one picture
+  build     build the libraries, the tools and the tests
+  clean     remove build/ and out/
+  help      this text
+
+The first run on a fresh Debian 12 installs packages (as root, or with sudo).
+Environment: LODEN_JOBS=N, parallel compilations (default: by cores and memory).
+TEXT
+}
+
+say() { printf '%s\n' "$*" >&2; }
+die() { say "loden.sh: $*"; exit 1; }
+is_terminal() { [[ -t 2 && ${TERM:-dumb} != dumb ]]; }
+# Overwrites the current line on a terminal; silent otherwise.
+live() { if is_terminal; then printf '\r\033[K%s' "$*" >&2; fi; }
+finish() { if is_terminal; then printf '\r\033[K' >&2; fi; say "$*"; }
+
+# --- steps -------------------------------------------------------------------------------------------------
+
+# step LABEL LOG READER COMMAND...: runs the command, output to the log through READER; on failure shows the
+# end of the log and stops with the command's exit status.
+step() {
+  local label=$1 log=$LOGS/$2.log reader=$3 start=$SECONDS status=0
+  shift 3
+  mkdir -p "$LOGS"
+  is_terminal || say "$label ..."
+  "$@" 2>&1 | "$reader" "$label" "$log" || status=${PIPESTATUS[0]}
+  if ((status != 0)); then
+    finish "$label: failed with exit status $status; the end of $log:"
+    tail -n 30 "$log" >&2
+    exit "$status"
+  fi
+  finish "$label: done in $((SECONDS - start)) s"
+}
+
+# Readers: copy standard input to the log ($2) and show how far it is.
+read_plain() {
+  live "$1 ..."
+  cat >"$2"
+}
+read_ninja() {  # "[12/140] Building ..."
+  local line done all told=0
+  while IFS= read -r line; do
+    printf '%s\n' "$line"
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    done=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]}
+    live "$1: $done of $all"
+    if ! is_terminal && ((done * 5 / all > told)); then
+      told=$((done * 5 / all))
+      say "$1: $done of $all"
+    fi
+  done >"$2"
+}
+read_apt() {  # "pmstatus:libglm-dev:42.5:Unpacking ..."
+  local line
+  while IFS= read -r line; do
+    if [[ $line =~ ^(dl|pm)status:[^:]*:([0-9]+) ]]; then
+      if [[ ${BASH_REMATCH[1]} == dl ]]; then live "$1: fetching, ${BASH_REMATCH[2]} %"; else live "$1: ${BASH_REMATCH[2]} %"; fi
+    else
+      printf '%s\n' "$line"
+    fi
+  done >"$2"
+}
+
+# --- packages and build --------------------------------------------------------------------------------------
+
+missing_packages() {
+  local installed package
+  installed=" $(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${PACKAGES[@]}" 2>/dev/null |
+    sed -n 's/^installed //p' | tr '\n' ' ') "
+  for package in "${PACKAGES[@]}"; do
+    [[ $installed == *" $package "* ]] || printf '%s\n' "$package"
+  done
+}
+
+install_packages() {
+  if ! command -v dpkg-query >/dev/null; then
+    say "not a Debian system: expecting these packages' contents to be installed: ${PACKAGES[*]}"
+    return
+  fi
+  local missing root=()
+  mapfile -t missing < <(missing_packages || true)
+  ((${#missing[@]})) || return 0
+  if [[ $(id -u) != 0 ]]; then
+    command -v sudo >/dev/null || die "missing packages; as root: apt-get install --no-install-recommends ${missing[*]}"
+    sudo -v
+    root=(sudo)
+  fi
+  # Descriptor 3 is opened behind sudo, which closes all but the first three; apt closes its own for the packages' scripts.
+  local apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive sh -c 'exec apt-get -y -q "$@" 3>&1' apt
+    -o DPkg::Lock::Timeout=120 -o APT::Status-Fd=3)
+  step "package lists" apt-update read_apt "${apt[@]}" update
+  step "installing ${#missing[@]} packages" apt-install read_apt \
+    "${apt[@]}" install --no-install-recommends "${missing[@]}"
+}
+
+# Parallel compilations: one per core, but 1.5 GB of free memory for each.
+jobs_here() {
+  local cores available
+  cores=$(nproc)
+  available=$(awk '/^MemAvailable/ {print int($2 / 1500000)}' /proc/meminfo)
+  ((available >= 1)) || available=1
+  echo "${LODEN_JOBS:-$((cores < available ? cores : available))}"
+}
+
+# build TARGET...
+build() {
+  install_packages
+  if [[ ! -f $BUILD/build.ninja ]]; then
+    step "configuring" configure read_plain cmake --preset release
+  fi
+  step "building $*" build read_ninja env NINJA_STATUS='[%f/%t] ' \
+    cmake --build "$BUILD" --parallel "$(jobs_here)" --target "$@"
+}
+
+# --- demo ------------------------------------------------------------------------------------------------------
+
+# First 12 hex digits of the hash of the tool and the given words: names what the tool makes of them.
+key() { { cat "$BIN/loden"; printf '%s\0' "$@"; } | sha256sum | cut -c1-12; }
+
+# tool WHAT COMMAND...: runs a tool that shows its own progress; its data goes to the log.
+tool() {
+  local what=$1 log=$LOGS/demo.log
+  shift
+  say "$what"
+  printf '+ %s\n' "$*" >>"$log"
+  "$@" >>"$log" || die "$what: exit status $?; command: $*"
+}
+
+# bake_tile TILE: prints the folder; bakes unless the same tool made it with the same options before.
+# An interrupted bake goes on where it stopped.
+bake_tile() {
+  local options=(--size 64 --directions bonn81 --vdim latlong:16x16)
+  local folder
+  folder=out/bake/$1-$(key bake "$1" "${options[@]}")
+  if [[ ! -e $folder/.complete ]]; then
+    tool "baking $1" "$BIN/loden" bake "builtin:$1" -o "$folder" "${options[@]}" --resume
+    touch "$folder/.complete"
+  fi
+  echo "$folder"
+}
+
+# cook_tile TILE FOLDER NAME OPTION...: prints the asset's path; cooks unless it is there.
+cook_tile() {
+  local tile=$1 folder=$2 name=$3 asset
+  shift 3
+  asset=out/assets/$tile-$name-$(key cook "$folder" "$@").loden
+  if [[ ! -e $asset ]]; then
+    mkdir -p out/assets
+    tool "cooking $tile, $name" "$BIN/loden" cook "$folder" -o "$asset" "$@"
+  fi
+  echo "$asset"
+}
+
+verb_demo() {
+  build loden loden_walk
+  mkdir -p "$LOGS" out/demo
+  : >"$LOGS/demo.log"
+  local tile baked asset scene=sample_game/gallery/gallery.gltf next
+  for tile in "${TILES[@]}"; do
+    baked=$(bake_tile "$tile")
+    asset=$(cook_tile "$tile" "$baked" fused --mode fused)
+    next=out/demo/gallery-$tile.gltf
+    tool "packing $tile into the gallery" "$BIN/loden" pack "$scene" --material "$tile" --asset "$asset" -o "$next"
+    scene=$next
+  done
+  tool "walking through the gallery" "$BIN/loden_walk" "$scene" --headless --size 800x800 --frames 60 \
+    --script sample_game/gallery/walk.json --capture out/demo/frames --report out/demo/report.json
+  say "picture: $PWD/out/demo/contact_sheet.png"
+}
+
+# --- other verbs -----------------------------------------------------------------------------------------------
+
+verb_build() { build all; }
+
+verb_test() {
+  build all
+  ctest --test-dir "$BUILD" --output-on-failure --parallel 2
+}
+
+verb_clean() { rm -rf build out; }
+
+case ${1:-help} in
+  demo | test | build | clean)
+    (($# == 1)) || die "the verb $1 takes no arguments"
+    "verb_$1"
+    ;;
+  help | -h | --help) usage ;;
+  *)
+    usage >&2
+    exit 1
+    ;;
+esac

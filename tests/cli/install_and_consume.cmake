@@ -1,0 +1,34 @@
+# Installs this build into a fresh prefix, builds the project in consumer/ against it and runs that on an asset cooked here.
+# cmake -DBUILD=<build folder> -DLODEN=<loden tool> -DCONSUMER=<source folder> -DWORK=<scratch folder> -P this
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+
+function(run)
+  execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${WORK} RESULT_VARIABLE status OUTPUT_VARIABLE output
+                  ERROR_VARIABLE errors)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGV " " command)
+    message(FATAL_ERROR "exit status ${status} from: ${command}\n${output}\n${errors}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+foreach(file bin/loden include/loden/material/evaluate.h share/loden/shaders/loden_material.glsl)
+  if(NOT EXISTS ${WORK}/prefix/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
+
+run(${WORK}/prefix/bin/loden bake builtin:sponge -o ${WORK}/sponge --size 8 --directions bonn81)
+run(${WORK}/prefix/bin/loden cook ${WORK}/sponge -o ${WORK}/sponge.loden --mode surface)
+
+# Embree and Ceres hidden: a consumer of Loden::material must not need them.
+run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON)
+run(${CMAKE_COMMAND} --build ${WORK}/build)
+run(${WORK}/build/consumer ${WORK}/sponge.loden)
+if(NOT output MATCHES "^-?[0-9.e-]+ -?[0-9.e-]+ -?[0-9.e-]+\n$")
+  message(FATAL_ERROR "expected one linear RGB value, got: ${output}")
+endif()
+message(STATUS "consumer says ${output}")

@@ -1,0 +1,38 @@
+// A_v of the joint fit: for each view a sparse matrix that reads a flat map at VDIM(x, wo) for every reference
+// texel x, with the bilinear filter that the shader uses.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "importer/fit/matrix.h"
+#include "material/directions.h"
+
+namespace loden::importer {
+
+// p = VDIM(x, wo), unwrapped; called from several threads.
+using IndirectionLookup = std::function<glm::dvec2(glm::dvec2 x, const glm::dvec3& wo)>;
+
+struct Indirection {
+  struct Taps {
+    int32_t index[4];  // flat texels
+    float weight[4];   // sum 1
+  };
+  int texels = 0;       // reference texels (rows of A_v)
+  int flat_texels = 0;  // flat texels (columns)
+  int views = 0;
+  std::vector<Taps> taps;  // [view][texel]
+
+  // into = A_v * flat; flat is flat_texels x k, into becomes texels x k.
+  void apply(int view, const Matrix& flat, Matrix& into) const;
+  // sum += A_v^T * values.
+  void addTransposed(int view, const Matrix& values, Matrix& sum) const;
+};
+
+// Looks up the centres of side x side reference texels for every view.
+Indirection makeIndirection(int side, int flat_side, const DirectionSet& views, const IndirectionLookup& lookup,
+                            int threads);
+
+}  // namespace loden::importer

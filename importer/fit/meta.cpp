@@ -1,0 +1,76 @@
+#include "importer/fit/meta.h"
+
+#include <nlohmann/json.hpp>
+
+namespace loden::importer {
+
+const char* presetName(Preset preset) {
+  switch (preset) {
+    case Preset::kSeed: return "seed";
+    case Preset::kGame: return "game";
+    case Preset::kReference: return "reference";
+  }
+  return "unknown";
+}
+
+namespace {
+
+uint64_t bandBytes(const Material& material) {
+  uint64_t bytes = 0;
+  for (const Band& band : material.bands) bytes += band.bytes();
+  return bytes;
+}
+
+uint64_t surfaceBytes(const Material& material) {
+  if (!material.surface) return 0;
+  const SurfaceMaps& maps = *material.surface;
+  return maps.normal.data.size() + maps.diffuse.data.size() + maps.specular.data.size();
+}
+
+uint64_t vdimBytes(const Material& material) {
+  if (!material.stored_vdim) return 0;
+  return material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
+}
+
+// Components of the finest band: "16,0,0" where chroma is a ratio.
+std::string componentsText(const Material& material) {
+  if (material.bands.empty()) return "0,0,0";
+  const Band& band = material.bands.front();
+  const std::string chroma = std::to_string(2 * band.chroma_quads);
+  return std::to_string(4 * band.y_quads) + "," + chroma + "," + chroma;
+}
+
+}  // namespace
+
+uint64_t rawFileBytes(const Material& material) {
+  return bandBytes(material) + material.geometry.texels.data.size() + surfaceBytes(material) + vdimBytes(material);
+}
+
+uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
+  uint64_t bytes = rawFileBytes(material);
+  if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
+  bytes += uint64_t(atlas.texels) * uint64_t(atlas.texels) * uint64_t(atlas.directions) * uint64_t(atlas.directions);
+  if (!material.geometry.identity_parameterization) bytes += 32 * 32 * 8 * 4;  // the closest-point volume
+  return bytes;
+}
+
+std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
+                     const BtfError* error) {
+  nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
+                                 {"preset", preset},
+                                 {"input", input},
+                                 {"components", componentsText(material)},
+                                 {"coefficient_bytes", bandBytes(material)},
+                                 {"raw_bytes", rawFileBytes(material)},
+                                 {"gpu_bytes", residentBytes(material, VdimAtlasSize{})}};
+  if (error) {
+    const char* names[3] = {"y", "cb", "cr"};
+    for (int c = 0; c < 3; ++c) {
+      const ChannelError& e = error->channel[c];
+      meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
+    }
+  }
+  return meta.dump();
+}
+
+}  // namespace loden::importer

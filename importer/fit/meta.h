@@ -1,0 +1,23 @@
+// Material::meta_json: how an asset was cooked and what error was measured.
+#pragma once
+
+#include <string>
+
+#include "importer/cook.h"
+#include "importer/fit/measure.h"
+
+namespace loden::importer {
+
+const char* presetName(Preset preset);
+
+// Raw bytes of everything the file holds, before compression.
+uint64_t rawFileBytes(const Material& material);
+// Bytes resident when drawn at lambda 0 with an atlas of this size.
+uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas);
+
+// {"mode", "preset", "components": "8,2,2", "input", "coefficient_bytes", "raw_bytes", "gpu_bytes",
+//  "error": {"y": {"rmse", "mse", "mae"}, "cb": ..., "cr": ...}}; `error` may be null.
+std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
+                     const BtfError* error);
+
+}  // namespace loden::importer

@@ -1,0 +1,21 @@
+// The three modes of cook(), one function each (design: the one equation and its special cases).
+#pragma once
+
+#include "importer/cook.h"
+#include "importer/btf_source.h"
+
+namespace loden::importer {
+
+// The geometry image of a baked output, reduced to `side` by 2 x 2 means (0: as baked).
+Result<GeometryImage> geometryOf(const BakedOutput& input, int side);
+
+// LBTF: bands in the reference domain. Preset seed as published, the others improved.
+Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
+
+// Fine bands in the flat domain, coarse bands in the reference domain.
+Result<Material> cookFused(const BtfSource& source, const GeometryImage& geometry, const CookOptions& options);
+
+// FBTF's GPU mode: one analytic appearance read at VDIM(x, wo).
+Result<Material> cookSurface(const BakedOutput& input, const CookOptions& options);
+
+}  // namespace loden::importer

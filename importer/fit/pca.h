@@ -1,0 +1,32 @@
+// Low-rank factors of data that is read by blocks of columns and need not fit in memory.
+#pragma once
+
+#include <functional>
+
+#include "importer/fit/matrix.h"
+
+namespace loden::importer {
+
+// A rows x (blocks * block_cols) matrix; `read` may be called from several threads. For a BTF: rows are
+// texels, a block is a view, its columns are lights.
+struct ColumnBlocks {
+  int rows = 0, blocks = 0, block_cols = 0;
+  std::function<void(int block, Matrix& into)> read;
+  int cols() const { return blocks * block_cols; }
+};
+ColumnBlocks blocksOf(const Matrix& m);  // one block; `m` must outlive it
+
+// F ~ weights * basis^T; basis has orthonormal columns, ordered by singular value. Fewer meaningful components
+// than asked for (rank deficiency) leave zero weights.
+struct Factors {
+  Matrix weights;  // texels x components
+  Matrix basis;    // samples x components
+  int components() const { return weights.cols; }
+};
+
+// The best rank-k factors (no centring): a thin SVD when one side is small, a randomised range finder with
+// subspace iteration otherwise (Halko, Martinsson and Tropp 2011, algorithms 4.4 and 5.1), in double, never
+// through a Gram matrix. Deterministic.
+Factors leadingFactors(const ColumnBlocks& f, int k, int threads = 0);
+
+}  // namespace loden::importer

@@ -1,0 +1,93 @@
+#include "importer/fit/ratio_fit.h"
+
+#include "importer/fit/band_fit.h"
+#include "importer/fit/eigen.h"
+#include "importer/fit/reduction.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kSteps = 40;          // conjugate gradients on a well conditioned, diagonally dominant system
+constexpr double kPull = 1e-4;      // towards the start, relative to the mean weight of a texel
+
+// Per view and texel: sum over lights of Y^2 and of Y C.
+struct Moments {
+  Matrix yy, yc;  // texels x views
+};
+
+Moments moments(const ColumnBlocks& luma, const ColumnBlocks& chroma, int threads) {
+  Moments m{Matrix(luma.rows, luma.blocks), Matrix(luma.rows, luma.blocks)};
+  parallelFor(luma.blocks, threads, [&](int v) {
+    Matrix y, c;
+    luma.read(v, y);
+    chroma.read(v, c);
+    eigenCols(m.yy, v, 1) = eigen(y).rowwise().squaredNorm();
+    eigenCols(m.yc, v, 1) = eigen(y).cwiseProduct(eigen(c)).rowwise().sum();
+  });
+  return m;
+}
+
+}  // namespace
+
+std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a, double start,
+                             int threads) {
+  using Eigen::VectorXd;
+  const Moments m = moments(luma, chroma, threads);
+  Matrix right(a.flat_texels, 1), diagonal(a.flat_texels, 1), product(a.texels, 1);
+  for (int v = 0; v < a.views; ++v) {
+    eigen(product) = eigenCols(m.yc, v, 1);
+    a.addTransposed(v, product, right);
+    eigen(product) = eigenCols(m.yy, v, 1);
+    a.addTransposed(v, product, diagonal);
+  }
+  const double pull = kPull * eigen(diagonal).mean() + 1e-300;
+  auto normal = [&](const Matrix& r) -> VectorXd {
+    Matrix sum(a.flat_texels, 1), seen, weighted(a.texels, 1);
+    for (int v = 0; v < a.views; ++v) {
+      a.apply(v, r, seen);
+      eigen(weighted) = eigen(seen).cwiseProduct(eigenCols(m.yy, v, 1));
+      a.addTransposed(v, weighted, sum);
+    }
+    return eigen(sum) + pull * eigen(r);
+  };
+  Matrix r(a.flat_texels, 1);
+  eigen(r).setConstant(start);
+  const VectorXd scale = (eigen(diagonal).array() + pull).matrix();
+  VectorXd residual = eigen(right) + pull * eigen(r) - normal(r);
+  VectorXd z = residual.cwiseQuotient(scale);
+  Matrix direction = matrixFrom(z);
+  double rz = residual.dot(z);
+  for (int step = 0; step < kSteps && rz > 0; ++step) {
+    const VectorXd q = normal(direction);
+    const double alpha = rz / eigen(direction).col(0).dot(q);
+    eigen(r) += alpha * eigen(direction);
+    residual -= alpha * q;
+    z = residual.cwiseQuotient(scale);
+    const double next = residual.dot(z);
+    eigen(direction) = z + next / rz * eigen(direction);
+    rz = next;
+  }
+  return r.data;
+}
+
+std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const Factors& luma, const Matrix& mean, const PhongMean& phong,
+                                  const Indirection& a, int threads) {
+  const ColumnBlocks whole{btf.texels(), btf.views(), btf.lights(), [&](int v, Matrix& into) {
+                             Matrix seen;
+                             a.apply(v, luma.weights, seen);
+                             const Eigen::Index first = Eigen::Index(v) * btf.lights();
+                             into = Matrix(btf.texels(), btf.lights());
+                             eigen(into).noalias() =
+                                 eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
+                             eigen(into).rowwise() += eigen(mean).col(0).segment(first, btf.lights()).transpose();
+                           }};
+  std::vector<glm::dvec2> ratios(size_t(a.flat_texels));
+  for (int c = 0; c < 2; ++c) {
+    const double start = phong.chroma == MeanChroma::kRatio ? double(c == 0 ? phong.cb : phong.cr) : 0.0;
+    const std::vector<double> r = fitRatio(whole, channelBlocks(btf, c + 1), a, start, threads);
+    for (size_t t = 0; t < r.size(); ++t) ratios[t][c] = r[t];
+  }
+  return ratios;
+}
+
+}  // namespace loden::importer

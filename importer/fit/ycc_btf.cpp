@@ -1,0 +1,145 @@
+#include "importer/fit/ycc_btf.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "importer/fit/reduction.h"
+#include "material/color.h"
+#include "material/issues.h"
+#include "material/texture.h"
+
+namespace loden::importer {
+
+YccBtf::YccBtf(int side, int lights, int views) : side_(side), lights_(lights), views_(views) {
+  const size_t values = size_t(3) * size_t(views) * size_t(lights) * size_t(texels());
+  if (values * sizeof(float) <= kFloatLimit)
+    floats_.resize(values);
+  else
+    halves_.resize(values);
+}
+
+size_t YccBtf::offset(int channel, int view) const {
+  return (size_t(channel) * size_t(views_) + size_t(view)) * size_t(lights_) * size_t(texels());
+}
+
+void YccBtf::store(int channel, int view, std::span<const float> values) {
+  LODEN_CHECK_EQ(values.size(), size_t(lights_) * size_t(texels()));
+  const size_t at = offset(channel, view);
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (halves_.empty())
+      floats_[at + i] = values[i];
+    else
+      halves_[at + i] = halfFromFloat(values[i]);
+  }
+}
+
+void YccBtf::read(int channel, int view, Matrix& into) const {
+  const size_t at = offset(channel, view), count = size_t(lights_) * size_t(texels());
+  if (into.rows != texels() || into.cols != lights_) into = Matrix(texels(), lights_);
+  for (size_t i = 0; i < count; ++i)
+    into.data[i] = halves_.empty() ? double(floats_[at + i]) : double(floatFromHalf(halves_[at + i]));
+}
+
+namespace {
+
+struct NonFinite {
+  size_t count = 0, first = 0;  // first: light * texels + texel
+};
+
+NonFinite storeView(YccBtf& btf, int view, const std::vector<glm::vec3>& rgb) {
+  NonFinite bad;
+  std::vector<float> planes[3];
+  for (auto& plane : planes) plane.resize(rgb.size());
+  for (size_t i = 0; i < rgb.size(); ++i) {
+    const glm::vec3& c = rgb[i];
+    if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) {
+      if (bad.count++ == 0) bad.first = i;
+      continue;
+    }
+    const glm::dvec3 ycc = yccFromRgb(glm::dvec3(c));
+    for (int k = 0; k < 3; ++k) planes[k][i] = static_cast<float>(ycc[k]);
+  }
+  for (int k = 0; k < 3; ++k) btf.store(k, view, planes[k]);
+  return bad;
+}
+
+Issue nonFiniteIssue(const BtfSource& source, int view, const NonFinite& bad) {
+  const size_t side = size_t(source.size().x), texels = side * side, texel = bad.first % texels;
+  return {issue_id::kNonFinite, Severity::kError, source.name(),
+          std::to_string(bad.count) + " values are not finite in view " + std::to_string(view) + ", the first at light " +
+              std::to_string(bad.first / texels) + ", texel (" + std::to_string(texel % side) + ", " +
+              std::to_string(texel / side) + "); repair the input and cook again"};
+}
+
+}  // namespace
+
+Result<YccBtf> loadYcc(const BtfSource& source, int threads) {
+  if (source.size().x != source.size().y)
+    return Issue{issue_id::kOption, Severity::kError, source.name(),
+                 "is " + std::to_string(source.size().x) + " x " + std::to_string(source.size().y) +
+                     " texels; only squares can be cooked: cut the images to a square"};
+  YccBtf btf(source.size().x, source.lights().size(), source.views().size());
+  std::vector<std::optional<Issue>> issues(size_t(btf.views()));
+  parallelFor(size_t(btf.views()), threads, [&](size_t i) {
+    const int v = static_cast<int>(i);
+    auto rgb = source.view(v);
+    if (!rgb) {
+      issues[size_t(v)] = rgb.issue();
+      return;
+    }
+    LODEN_CHECK_EQ(rgb->size(), size_t(btf.lights()) * size_t(btf.texels()));
+    const NonFinite bad = storeView(btf, v, *rgb);
+    if (bad.count) issues[size_t(v)] = nonFiniteIssue(source, v, bad);
+  });
+  for (auto& issue : issues)
+    if (issue) return *issue;
+  return btf;
+}
+
+Matrix imageMeans(const YccBtf& btf, int threads) {
+  Matrix means(btf.views() * btf.lights(), 3);
+  parallelFor(btf.views(), threads, [&](int v) {
+    Matrix block;
+    for (int channel = 0; channel < 3; ++channel) {
+      btf.read(channel, v, block);
+      for (int l = 0; l < btf.lights(); ++l) {
+        double sum = 0;
+        for (double value : block.col(l)) sum += value;
+        means(v * btf.lights() + l, channel) = sum / btf.texels();
+      }
+    }
+  });
+  return means;
+}
+
+Matrix downsample(const Matrix& fine, int side, BoxFilter filter) {
+  const int half = side / 2;
+  Matrix coarse(half * half, fine.cols);
+  const int first = filter == BoxFilter::k2x2 ? 0 : -1, taps = filter == BoxFilter::k2x2 ? 2 : 3;
+  for (int c = 0; c < fine.cols; ++c)
+    for (int j = 0; j < half; ++j)
+      for (int i = 0; i < half; ++i) {
+        double sum = 0;
+        for (int dj = 0; dj < taps; ++dj)
+          for (int di = 0; di < taps; ++di)
+            sum += fine((2 * j + first + dj + side) % side * side + (2 * i + first + di + side) % side, c);
+        coarse(j * half + i, c) = sum / (taps * taps);
+      }
+  return coarse;
+}
+
+YccBtf downsample(const YccBtf& fine, BoxFilter filter, int threads) {
+  YccBtf coarse(fine.side() / 2, fine.lights(), fine.views());
+  parallelFor(fine.views(), threads, [&](int v) {
+    Matrix block;
+    for (int channel = 0; channel < 3; ++channel) {
+      fine.read(channel, v, block);
+      const Matrix small = downsample(block, fine.side(), filter);
+      coarse.store(channel, v, std::vector<float>(small.data.begin(), small.data.end()));
+    }
+  });
+  return coarse;
+}
+
+}  // namespace loden::importer

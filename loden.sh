@@ -65,15 +65,15 @@ read_plain() {
   cat >"$2"
 }
 read_ninja() {  # "[12/140] Building ..."
-  local line done all told=0
+  local line built all told=0
   while IFS= read -r line; do
     printf '%s\n' "$line"
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
-    done=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]}
-    live "$1: $done of $all"
-    if ! is_terminal && ((done * 5 / all > told)); then
-      told=$((done * 5 / all))
-      say "$1: $done of $all"
+    built=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]}
+    live "$1: $built of $all"
+    if ! is_terminal && ((built * 5 / all > told)); then
+      told=$((built * 5 / all))
+      say "$1: $built of $all"
     fi
   done >"$2"
 }

@@ -154,14 +154,13 @@ tool() {
 }
 
 # bake_tile TILE: prints the folder; bakes unless the same tool made it with the same options before.
-# An interrupted bake goes on where it stopped.
+# An interrupted bake goes on where it stopped; bake.json is written last.
 bake_tile() {
-  local options=(--size 64 --directions bonn81 --vdim latlong:16x16)
+  local options=(--size 64 --directions bonn81)
   local folder
   folder=out/bake/$1-$(key bake "$1" "${options[@]}")
-  if [[ ! -e $folder/.complete ]]; then
+  if [[ ! -e $folder/bake.json ]]; then
     tool "baking $1" "$BIN/loden" bake "builtin:$1" -o "$folder" "${options[@]}" --resume
-    touch "$folder/.complete"
   fi
   echo "$folder"
 }

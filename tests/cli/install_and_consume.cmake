@@ -1,5 +1,5 @@
 # Installs this build into a fresh prefix, builds the project in consumer/ against it and runs that on an asset cooked here.
-# cmake -DBUILD=<build folder> -DLODEN=<loden tool> -DCONSUMER=<source folder> -DWORK=<scratch folder> -P this
+# cmake -DBUILD=<build folder> -DCONSUMER=<source folder> -DWORK=<scratch folder> -P this
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 
@@ -30,5 +30,13 @@ run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/consumer ${WORK}/sponge.loden)
 if(NOT output MATCHES "^-?[0-9.e-]+ -?[0-9.e-]+ -?[0-9.e-]+\n$")
   message(FATAL_ERROR "expected one linear RGB value, got: ${output}")
+endif()
+
+# README.md shows this very program.
+file(READ ${CONSUMER}/main.cpp program)
+file(READ ${WORK}/prefix/share/doc/Loden/README.md readme)
+string(FIND "${readme}" "${program}" place)
+if(place EQUAL -1)
+  message(FATAL_ERROR "README.md does not show ${CONSUMER}/main.cpp as it is")
 endif()
 message(STATUS "consumer says ${output}")

@@ -20,6 +20,18 @@ foreach(file bin/loden include/loden/material/evaluate.h share/loden/shaders/lod
   endif()
 endforeach()
 
+# No installed header includes one that stays behind.
+file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include/loden ${WORK}/prefix/include/loden/*.h)
+foreach(header IN LISTS headers)
+  file(STRINGS ${WORK}/prefix/include/loden/${header} includes REGEX "^#include \"")
+  foreach(line IN LISTS includes)
+    string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
+    if(NOT included IN_LIST headers)
+      message(FATAL_ERROR "${header} includes ${included}, which is not installed")
+    endif()
+  endforeach()
+endforeach()
+
 run(${WORK}/prefix/bin/loden bake builtin:sponge -o ${WORK}/sponge --size 8 --directions bonn81)
 run(${WORK}/prefix/bin/loden cook ${WORK}/sponge -o ${WORK}/sponge.loden --mode surface)
 

@@ -1,0 +1,82 @@
+// Draws a scene: forward shading with a depth pre-pass, a sun with a shadow map, and point and spot lights.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "material/result.h"
+#include "runtime/camera.h"
+#include "runtime/device.h"
+#include "runtime/material_system.h"
+#include "runtime/scene.h"
+#include "runtime/shader_library.h"
+
+namespace loden::runtime {
+
+enum class ToneCurve { kClip, kFilmic };
+
+struct FrameSettings {
+  bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
+  bool shadows = true;
+  bool depth_prepass = true;
+  std::optional<float> lambda;       // instead of the footprint's, everywhere
+  ToneCurve tone = ToneCurve::kFilmic;
+  float exposure = 1;
+  glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above, linear RGB
+  glm::vec3 ground_ambient{0.25f, 0.22f, 0.2f};  // and from below
+  glm::vec3 background{0.02f, 0.022f, 0.026f};   // linear RGB
+};
+
+// What one material was asked for in a frame.
+struct MaterialDemand {
+  std::string name;
+  float lambda = 0;    // asked for
+  float resident = 0;  // what the shader was given
+};
+
+struct FrameStats {
+  int objects = 0, visible_objects = 0;
+  int draw_calls = 0;         // of the shading pass
+  int depth_draw_calls = 0;   // of the pre-pass and the shadow map
+  int program_changes = 0;
+  uint64_t triangles = 0;     // of the shading pass
+  std::vector<MaterialDemand> demands;  // visible materials only
+};
+
+// Where a frame goes: a framebuffer's GL name (0: the window) and its size in pixels.
+struct FrameTarget {
+  uint32_t framebuffer = 0;
+  glm::ivec2 size{0};
+};
+
+// One scene on the GPU. Per frame: prepare(), then MaterialSystem::update() or finishLoading(), then draw().
+class FrameRenderer {
+ public:
+  // Uploads the meshes and opens the scene's assets. The device must be current; device, shaders and materials
+  // must outlive the renderer. Issues of MaterialSystem::load.
+  static Result<std::unique_ptr<FrameRenderer>> create(const Device& device, ShaderLibrary& shaders,
+                                                       MaterialSystem& materials, const Scene& scene);
+  ~FrameRenderer();
+  FrameRenderer(const FrameRenderer&) = delete;
+  FrameRenderer& operator=(const FrameRenderer&) = delete;
+
+  // Finds what the view sees and demands its materials. No GL call.
+  void prepare(const View& view, const FrameSettings& settings);
+  // Draws what was prepared. GL state is as before afterwards. Issues of ShaderLibrary::program.
+  Status draw(const FrameTarget& target);
+
+  // Of the last frame drawn.
+  const FrameStats& stats() const;
+  // Around all instances, world.
+  Bounds bounds() const;
+
+ private:
+  struct Impl;
+  explicit FrameRenderer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace loden::runtime

@@ -1,0 +1,66 @@
+// Shades a mesh: with its Loden material if the variant has one, else with the base material's factors.
+#include "scene_shared.h"
+#include "scene_interface.glsl"
+#include "scene_lights.glsl"
+#include "scene_surface.glsl"
+
+layout(location = 0) in vec3 position_ws;
+layout(location = 1) in vec3 normal_ws;
+layout(location = 2) in vec4 tangent_ws;
+layout(location = 3) in vec2 tile_x;
+
+layout(location = 0) out vec4 color;
+
+// Tangent frame of the reference plane: columns along growing x.x, along growing x.y, and the normal, which
+// faces the viewer. Left-handed where UVs are mirrored, so that the material is mirrored as a whole.
+mat3 tangentFrame() {
+  vec3 n = normalize(normal_ws);
+  if (!gl_FrontFacing && (object.flags.x & SCENE_DOUBLE_SIDED) != 0) n = -n;
+  vec3 px = dFdx(position_ws), py = dFdy(position_ws);
+  vec2 xx = dFdx(tile_x), xy = dFdy(tile_x);
+  vec3 t = tangent_ws.xyz;
+  float sign_ = tangent_ws.w * float(object.flags.z) * (dot(n, normal_ws) < 0.0 ? -1.0 : 1.0);
+  if (abs(tangent_ws.w) < 0.5 || (scene.flags.x & SCENE_FRAME_DERIVED) != 0) {
+    // Inverse of the screen's Jacobian; its determinant and the surface's orientation give the sign.
+    float det = xx.x * xy.y - xy.x * xx.y;
+    t = (px * xy.y - py * xx.y) * (det < 0.0 ? -1.0 : 1.0);
+    vec3 b = (py * xx.x - px * xy.x) * (det < 0.0 ? -1.0 : 1.0);
+    sign_ = dot(cross(n, t), b) < 0.0 ? -1.0 : 1.0;
+  }
+  t -= n * dot(n, t);
+  if (dot(t, t) < 1e-20) t = abs(n.y) < 0.9 ? cross(vec3(0.0, 1.0, 0.0), n) : vec3(1.0, 0.0, 0.0);
+  t = normalize(t);
+  return mat3(t, sign_ * cross(n, t), n);
+}
+
+// The direction in the tangent frame, kept above the horizon: interpolated normals may face away at silhouettes.
+vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
+  vec3 wo = wo_ws * frame;
+  wo.z = max(wo.z, 0.02);
+  return normalize(wo);
+}
+
+void main() {
+  vec2 dx = dFdx(tile_x), dy = dFdy(tile_x);
+  mat3 frame = tangentFrame();
+  vec3 wo_ws = normalize(scene.camera_exposure.xyz - position_ws);
+  vec3 wo = viewInFrame(frame, wo_ws);
+  SurfacePoint point = surfacePoint(tile_x, dx, dy, wo);
+
+  vec3 radiance = object.emissive_roughness.rgb;
+  if ((scene.flags.x & SCENE_SUN) != 0) {
+    vec3 wi = scene.sun_direction.xyz * frame;
+    if (wi.z > 0.0) {
+      float visible = sceneSunVisibility(position_ws, frame[2]);
+      if (visible > 0.0) radiance += scene.sun_irradiance.rgb * visible * surfaceRadiance(point, wi, wo);
+    }
+  }
+  for (int k = 0; k < object.flags.y; ++k) {
+    vec3 irradiance;
+    vec3 wi = sceneLight(object.lights[k >> 2][k & 3], position_ws, irradiance) * frame;
+    if (wi.z > 0.0 && irradiance.r + irradiance.g + irradiance.b > 1e-4)
+      radiance += irradiance * surfaceRadiance(point, wi, wo);
+  }
+  radiance += surfaceAmbient(point, sceneAmbient(frame[2]), wo);
+  color = vec4(sceneTone(radiance), 1.0);
+}

@@ -1,0 +1,68 @@
+// How a surface answers to light: radiance = irradiance * surfaceRadiance. One of two.
+
+#if defined(LODEN_BANDS) || defined(LODEN_MODE_SURFACE)
+#include "loden_shared.h"
+#include "loden_interface.glsl"
+#include "loden_directions.glsl"
+#include "loden_vdim.glsl"
+#include "loden_bands.glsl"
+#include "loden_material.glsl"
+
+struct SurfacePoint {
+  LodenMaterial material;
+  LodenHit hit;
+};
+
+SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
+  SurfacePoint point;
+  point.material = loden_material_default();
+  point.material.lambda_min = loden_material.mean_chroma.z;
+  point.material.lambda_bias = scene.lambda.y;
+  if ((scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0)
+    point.hit = loden_find_hit_at(point.material, x, scene.lambda.x, wo);
+  else
+    point.hit = loden_find_hit(point.material, x, dx, dy, wo);
+  return point;
+}
+
+// Per unit irradiance; not negative, which a fit may be where it undershoots.
+vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
+  return max(loden_evaluate(point.material, point.hit, wi, wo), 0.0) * loden_material.surface.z;
+}
+
+// Light from all around: as if it came from one direction between normal and viewer, where nothing is in shadow.
+vec3 surfaceAmbient(SurfacePoint point, vec3 irradiance, vec3 wo) {
+  vec3 wi = normalize(vec3(0.35, 0.2, 1.0));
+  return irradiance * surfaceRadiance(point, wi, wo) / wi.z;
+}
+
+#else
+// The metallic-roughness model of glTF 2.0 (appendix B), by its factors.
+struct SurfacePoint {
+  vec3 diffuse, f0;
+  float alpha;  // roughness squared
+};
+
+const float kPi = 3.14159265;
+
+SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
+  vec3 base = object.base_color_metallic.rgb;
+  float metallic = object.base_color_metallic.a;
+  float roughness = max(object.emissive_roughness.a, 0.05);
+  return SurfacePoint(base * (1.0 - metallic), mix(vec3(0.04), base, metallic), roughness * roughness);
+}
+
+vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
+  vec3 h = normalize(wi + wo);
+  float nh = max(h.z, 0.0), a2 = point.alpha * point.alpha;
+  float d = nh * nh * (a2 - 1.0) + 1.0;
+  float distribution = a2 / (kPi * d * d);
+  float visibility = 0.5 / max(wi.z * sqrt(wo.z * wo.z * (1.0 - a2) + a2) + wo.z * sqrt(wi.z * wi.z * (1.0 - a2) + a2), 1e-5);
+  vec3 fresnel = point.f0 + (1.0 - point.f0) * pow(1.0 - max(dot(wo, h), 0.0), 5.0);
+  return ((1.0 - fresnel) * point.diffuse / kPi + fresnel * distribution * visibility) * wi.z;
+}
+
+vec3 surfaceAmbient(SurfacePoint point, vec3 irradiance, vec3 wo) {
+  return irradiance * (point.diffuse + point.f0) / kPi;
+}
+#endif

@@ -16,22 +16,30 @@
 
 namespace loden {
 
-// Limits of the format; FORMAT.md section "Limits" lists the same numbers and a test compares them.
+// Limits of the format; FORMAT.md section "Limits" lists the same names and numbers, and a test compares
+// them.
 struct AssetLimits {
-  static constexpr uint32_t kMaxSide = 16384;
-  static constexpr uint32_t kMaxBands = 32;
-  static constexpr uint32_t kMaxChunks = 4096;
-  static constexpr uint32_t kMaxRatio = 1000;  // raw : stored
-  static constexpr uint32_t kTableEnd = 4096;  // the chunk table ends within the first 4 KiB
+  static constexpr uint32_t kMaxSide = 16384;         // any texture extent, and the reference texels per side
+  static constexpr uint32_t kMaxBands = 32;           // bands of a material
+  static constexpr uint32_t kMaxQuads = 64;           // quads of one band, of each kind
+  static constexpr uint32_t kMaxDirections = 256;     // samples of a direction set; lookups store a byte each
+  static constexpr uint32_t kMaxGridSide = 256;       // rows, and columns, of a direction grid
+  static constexpr uint32_t kMaxLambda = 32;          // levels of detail
+  static constexpr uint32_t kMaxNameBytes = 256;      // material name
+  static constexpr uint32_t kMaxMetaBytes = 1048576;  // text about the cooking
+  static constexpr uint32_t kMaxChunkBytes = 2147483648;  // one chunk, stored or raw
+  static constexpr uint32_t kMaxRatio = 1000;             // raw : stored
+  static constexpr uint32_t kTableEnd = 4096;             // the chunk table ends within the first 4 KiB,
+  static constexpr uint32_t kMaxChunks = 84;              // which is what fits there
+  static constexpr uint32_t kAlignment = 64;              // of every chunk's offset
 };
-
 
 struct ChunkInfo {
   uint32_t type = 0;   // four characters, first in the lowest byte
   uint32_t flags = 0;  // bit 0: critical
   uint32_t codec = 0;  // 0 stored, 1 zstd
   uint64_t offset = 0, stored_bytes = 0, raw_bytes = 0;
-  uint64_t hash = 0;   // XXH3-64 of the stored bytes
+  uint64_t hash = 0;  // XXH3-64 of the stored bytes
 };
 std::string chunkName(uint32_t type);
 
@@ -40,11 +48,13 @@ Result<std::vector<std::byte>> serializeAsset(const Material& material);
 // serializeAsset to a temporary file, fsync, rename, fsync of the folder.
 Status writeAsset(const Material& material, const std::filesystem::path& path);
 
-// The whole asset. `name` is used in messages.
+// The whole asset; of a prefix that ends at a chunk, what it holds, with Material::lambda_min raised to the
+// finest level that this still gives. `name` is used in messages.
 Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name);
 Result<Material> readAsset(const std::filesystem::path& path);
 
-// Every issue found, in file order; empty if valid. Best effort: goes on after an issue where it can.
+// Every issue found, the chunk table's first and then in file order; empty if valid, as a prefix that ends at
+// a chunk is. Best effort: goes on after an issue where it can.
 std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name);
 
 // Bytes by range, from a file or from memory; calls may come from a worker thread.
@@ -58,29 +68,43 @@ Result<std::unique_ptr<ByteSource>> openFileSource(const std::filesystem::path& 
 std::unique_ptr<ByteSource> memorySource(std::vector<std::byte> bytes, std::string name);
 
 // An asset opened but not loaded: header, mean and directions are read, bands and maps come on demand. What
-// streaming uses, and what makes any prefix that ends at a chunk a valid, coarser asset.
+// streaming uses. The source may be a prefix, cut anywhere after the header: what is not whole is absent.
 class AssetFile {
  public:
   static Result<AssetFile> open(std::shared_ptr<const ByteSource> source, const std::string& name);
 
   // The material without texel data: bands have their description and extents, `data` vectors are empty.
+  // Absent parts are described too.
   const Material& skeleton() const { return skeleton_; }
+  // The whole chunk table, absent chunks included.
   std::span<const ChunkInfo> chunks() const { return chunks_; }
-  // Stored bytes (on disk) of the chunk behind one band (index as in skeleton().bands), the geometry image,
-  // stored VDIM and surface maps; 0 if there is none.
+  // How many of chunks(), from the front, lie wholly inside the source.
+  int presentChunks() const { return present_chunks_; }
+  // Stored bytes (on disk) of the chunk behind one band (index as in skeleton().bands); 0 if it is absent.
   uint64_t bandStoredBytes(int band) const;
+  // The same of the geometry image, the stored VDIM and the surface maps.
+  uint64_t geometryStoredBytes() const;
+  uint64_t storedVdimStoredBytes() const;
+  uint64_t surfaceStoredBytes() const;
 
-  // Read, check and decompress one part. Each call reads only that part's bytes. Thread safe.
+  // Read, check and decompress one part. Each call reads only that part's bytes. Thread safe. What is absent
+  // is an issue (kMissingChunk).
   Result<Band> loadBand(int band) const;
   Result<GeometryImage> loadGeometry() const;
   Result<PaperVdim> loadStoredVdim() const;
   Result<SurfaceMaps> loadSurface() const;
 
  private:
+  // A part by its chunk type; `band` only for BAND.
+  uint64_t partStoredBytes(uint32_t type, int band = -1) const;
+  // A material with this part only. For BAND it is bands[0].
+  Result<Material> loadPart(uint32_t type, int band = -1) const;
+
   std::shared_ptr<const ByteSource> source_;
   std::string name_;
   Material skeleton_;
   std::vector<ChunkInfo> chunks_;
+  int present_chunks_ = 0;
 };
 
 }  // namespace loden

@@ -14,7 +14,7 @@ namespace loden {
 enum class Severity { kNote, kWarning, kError };
 
 // Stable numbers: 1xxx I/O, 2xxx container, 3xxx header, 4xxx band and map data, 5xxx glTF,
-// 6xxx bake and cook input, 7xxx GPU. The table of all of them is material/issues.h.
+// 6xxx bake and cook input, 7xxx GPU and memory. The table of all of them is material/issues.h.
 struct Issue {
   int id = 0;
   Severity severity = Severity::kError;

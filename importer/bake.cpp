@@ -1,0 +1,168 @@
+#include "importer/bake.h"
+
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+
+#include "importer/bake_folder.h"
+#include "importer/bake_scene.h"
+#include "importer/progress.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+
+// More misses than this share of the rays that have to hit mean a hole in the tile.
+constexpr double kMaxMissRate = 1e-3;
+
+Status checkOptions(const BakeOptions& o) {
+  const auto refuse = [](const std::string& option, const std::string& why) {
+    return Issue{issue_id::kOption, Severity::kError, option, why};
+  };
+  for (const int side : {o.size, o.flat_size, o.geometry_size})
+    if (side < 0 || side > 4096) return refuse("--size", "must be 1 to 4096 texels");
+  if (o.size < 1) return refuse("--size", "must be 1 to 4096 texels");
+  if (o.supersample < 1 || o.supersample > 16) return refuse("--supersample", "must be 1 to 16 samples per side");
+  if (o.bounces < 0 || o.bounces > 16) return refuse("--bounces", "must be 0 to 16");
+  if (o.shards < 1 || o.shard < 0 || o.shard >= o.shards) return refuse("--shard", "must be I/N with 0 <= I < N");
+  for (const glm::ivec2& v : o.vdims)
+    if (v.x < 2 || v.y < 2 || v.x > 256 || v.y > 256) return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
+  return {};
+}
+
+BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const BakeOptions& o) {
+  BakeManifest m;
+  m.tile = tile_name;
+  m.input_hash = tileHash(tile);
+  m.size = o.size;
+  m.flat_size = o.flat_size > 0 ? o.flat_size : o.size;
+  m.geometry_size = o.geometry_size > 0 ? o.geometry_size : std::max(128, o.size);
+  m.supersample = o.supersample;
+  m.bounces = o.bounces;
+  m.directions = o.directions.size() > 0 ? o.directions : bonn81Directions();
+  if (o.maps.vdim) m.vdims = o.vdims;
+  m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
+  m.identity_parameterization = tile.identity_parameterization;
+  return m;
+}
+
+// One file or group of files of the output; the unit of sharding and resuming.
+struct Item {
+  std::vector<fs::path> files;
+  std::function<Status()> make;
+};
+
+bool present(const Item& item) {
+  std::error_code error;
+  return std::all_of(item.files.begin(), item.files.end(), [&](const fs::path& file) { return fs::exists(file, error); });
+}
+
+Status write(const fs::path& path, const Image& image, PixelType type) {
+  return writeImage(path, image.width, image.height, image.channels, type, image.pixels);
+}
+
+// The whole bake as a list of items, in a fixed order: item k belongs to shard k mod shards.
+class BakeItems {
+ public:
+  BakeItems(const BakeScene& scene, const fs::path& folder) : scene_(scene), folder_(folder) {
+    const BakeManifest& m = scene.manifest;
+    for (int view = 0; view < m.directions.size(); ++view) addView(view);
+    if (m.has_vdim)
+      for (const glm::ivec2& size : m.vdims)
+        items_.push_back({{vdimPath(folder, size)}, [this, size] { return write(vdimPath(folder_, size), bakeVdim(scene_, size), PixelType::kFloat); }});
+    if (m.has_surface) addSurface();
+  }
+  const std::vector<Item>& items() const { return items_; }
+
+ private:
+  void addView(int view);
+  void addSurface();
+  const FlatBaker& flat() {  // made when the first view needs it
+    if (!flat_) flat_.emplace(scene_);
+    return *flat_;
+  }
+
+  const BakeScene& scene_;
+  const fs::path folder_;
+  std::optional<FlatBaker> flat_;
+  std::vector<Item> items_;
+};
+
+void BakeItems::addView(int view) {
+  const BakeManifest& m = scene_.manifest;
+  Item item;
+  if (m.has_btf) item.files.push_back(btfPath(folder_, view));
+  if (m.has_flat) item.files.push_back(flatPath(folder_, view)), item.files.push_back(visiblePath(folder_, view));
+  item.make = [this, view, &m]() -> Status {
+    if (m.has_btf)
+      if (Status status = write(btfPath(folder_, view), bakeBtfView(scene_, view), PixelType::kHalf); !status) return status;
+    if (!m.has_flat) return {};
+    const FlatBaker::View result = flat().bakeView(view);
+    if (Status status = write(flatPath(folder_, view), result.atlas, PixelType::kHalf); !status) return status;
+    return writeImage(visiblePath(folder_, view), m.flat_size, m.flat_size, 1, PixelType::kByte, result.visible);
+  };
+  items_.push_back(std::move(item));
+}
+
+void BakeItems::addSurface() {
+  Item item;
+  for (const char* map : {"geometry", "normal", "diffuse", "specular"}) item.files.push_back(surfacePath(folder_, map));
+  item.make = [this, files = item.files]() -> Status {
+    const SurfaceImages images = bakeSurface(scene_);
+    const Image* const maps[] = {&images.geometry, &images.normal, &images.diffuse, &images.specular};
+    for (size_t k = 0; k < files.size(); ++k)
+      if (Status status = write(files[k], *maps[k], PixelType::kFloat); !status) return status;
+    return {};
+  };
+  items_.push_back(std::move(item));
+}
+
+Status makeItems(const std::vector<Item>& items, const BakeOptions& options, const std::string& tile_name, const BakeCounters& counters) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<const Item*> due;
+  for (size_t k = 0; k < items.size(); ++k)
+    if (int(k % size_t(options.shards)) == options.shard && !(options.resume && present(items[k]))) due.push_back(&items[k]);
+  Progress progress("bake " + tile_name, due.size(), options.quiet);
+  for (const Item* item : due) {
+    if (Status status = item->make(); !status) return status;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    char note[32];
+    std::snprintf(note, sizeof note, "%.1f Mray/s", double(counters.rays) / seconds / 1e6);
+    progress.advance(1, note);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs::path& folder, const BakeOptions& options) {
+  if (const Status status = checkOptions(options); !status) return status.issue();
+  const auto start = std::chrono::steady_clock::now();
+  const BakeManifest manifest = manifestOf(tile, tile_name, options);
+  const auto ready = BakeFolder::prepare(folder, manifest, options.resume, options.shards > 1);
+  if (!ready) return ready.issue();
+
+  BakeCounters counters;
+  const TileTracer tracer(tile);
+  const BakeScene scene{tracer, manifest, counters};
+  BakeItems items(scene, folder);
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  const Status made = arena.execute([&] { return makeItems(items.items(), options, tile_name, counters); });
+  if (!made) return made.issue();
+  if (double(counters.misses) > kMaxMissRate * double(counters.hits_due)) {
+    ready->discard();
+    return Issue{issue_id::kTileGeometry, Severity::kError, tile_name,
+                 std::to_string(counters.misses) + " of " + std::to_string(counters.hits_due) +
+                     " view rays meet no surface: the tile has holes or does not cover its period"};
+  }
+  if (ready->complete())
+    if (const Status status = ready->finish(); !status) return status.issue();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return BakeReport{counters.rays, seconds, counters.misses};
+}
+
+}  // namespace loden::importer

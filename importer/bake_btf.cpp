@@ -1,0 +1,114 @@
+// The reference BTF: rays through every texel of the reference plane, from every view (FBTF 4).
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "importer/bake_scene.h"
+#include "importer/local_brdf.h"
+#include "importer/random.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kBlockSamples = 8;  // samples per side of the texel blocks that are traced together
+
+// The first hits of one block of texels, and the light that leaves them.
+class BtfBlock {
+ public:
+  BtfBlock(const BakeScene& scene, const LightTable& lights, const glm::dvec3& wo) : scene_(scene), lights_(lights), wo_(wo) {}
+
+  void trace(glm::ivec2 first, glm::ivec2 last);
+  void shade(Image& atlas, const AtlasLayout& layout);
+
+ private:
+  struct Sample {
+    glm::ivec2 texel;
+    glm::vec3 diffuse;
+  };
+  void add(glm::ivec2 texel, const TileHit& hit, uint64_t seed);
+
+  const BakeScene& scene_;
+  const LightTable& lights_;
+  const glm::dvec3 wo_;
+  std::vector<Sample> samples_;
+  std::vector<glm::vec3> origins_;       // [sample]
+  std::vector<float> cosines_, lobes_;   // [sample][light]
+  std::vector<glm::vec3> indirect_;      // [sample][light], empty without bounces
+};
+
+void BtfBlock::add(glm::ivec2 texel, const TileHit& hit, uint64_t seed) {
+  const size_t row = samples_.size() * lights_.size();
+  samples_.push_back({texel, hit.brdf.diffuse});
+  origins_.emplace_back(hit.ray_origin);
+  cosines_.resize(row + lights_.size());
+  lobes_.resize(row + lights_.size());
+  lobesOfAllLights(lights_, glm::vec3(hit.normal), glm::vec3(wo_), hit.brdf.specular, hit.brdf.exponent, &cosines_[row], &lobes_[row]);
+  if (scene_.manifest.bounces == 0) return;
+  indirect_.resize(row + lights_.size());
+  addIndirect(scene_, hit, wo_, seed, &indirect_[row]);
+}
+
+void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
+  const int size = scene_.manifest.size, per_side = scene_.manifest.supersample;
+  uint64_t misses = 0;
+  for (int j = first.y; j < last.y; ++j)
+    for (int i = first.x; i < last.x; ++i)
+      for (int k = 0; k < per_side * per_side; ++k) {
+        const glm::dvec2 x = (glm::dvec2(i, j) + samplePosition(k, per_side)) / double(size);
+        const auto hit = scene_.tracer.intersectView(x, wo_);
+        if (hit) add({i, j}, *hit, mixSeed(uint64_t(j) * uint64_t(size) + uint64_t(i), uint64_t(k)));
+        misses += !hit;
+      }
+  const uint64_t rays = uint64_t(last.x - first.x) * uint64_t(last.y - first.y) * uint64_t(per_side * per_side);
+  scene_.counters.rays += rays;
+  scene_.counters.hits_due += rays;
+  scene_.counters.misses += misses;
+}
+
+void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) {
+  const size_t count = samples_.size(), lights = lights_.size();
+  const float share = 1.0f / float(scene_.manifest.supersample * scene_.manifest.supersample);
+  std::vector<uint8_t> wanted(count), blocked(count);
+  uint64_t rays = 0;
+  for (size_t l = 0; l < lights; ++l) {
+    for (size_t s = 0; s < count; ++s) rays += wanted[s] = cosines_[s * lights + l] > 0;
+    scene_.tracer.occluded(origins_, wanted, {lights_.x[l], lights_.y[l], lights_.z[l]}, blocked);
+    for (size_t s = 0; s < count; ++s) {
+      const Sample& sample = samples_[s];
+      glm::vec3 value(0);
+      if (!blocked[s]) value = sample.diffuse * cosines_[s * lights + l] + lobes_[s * lights + l];
+      if (!indirect_.empty()) value += indirect_[s * lights + l];
+      float* pixel = &atlas.pixels[3 * layout.pixel(int(l), sample.texel.x, sample.texel.y)];
+      for (int c = 0; c < 3; ++c) pixel[c] += share * value[c];
+    }
+  }
+  scene_.counters.rays += rays;
+}
+
+}  // namespace
+
+Image bakeBtfView(const BakeScene& scene, int view) {
+  const int size = scene.manifest.size, count = scene.manifest.directions.size();
+  const AtlasLayout layout = AtlasLayout::forLights(size, count);
+  Image atlas{layout.width(), layout.height(), 3, {}};
+  atlas.pixels.resize(size_t(layout.width()) * size_t(layout.height()) * 3);
+
+  const glm::dvec3 wo = scene.directions()[size_t(view)];
+  LightTable lights(scene.manifest.directions);
+  lights.setView(glm::vec3(wo));
+  const int edge = std::max(1, kBlockSamples / scene.manifest.supersample);
+  const int blocks = (size + edge - 1) / edge;
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, blocks, 0, blocks), [&](const tbb::blocked_range2d<int>& range) {
+    const FlushDenormals flush;
+    for (int j = range.rows().begin(); j < range.rows().end(); ++j)
+      for (int i = range.cols().begin(); i < range.cols().end(); ++i) {
+        BtfBlock block(scene, lights, wo);
+        block.trace(glm::ivec2(i, j) * edge, glm::min(glm::ivec2(i + 1, j + 1) * edge, glm::ivec2(size)));
+        block.shade(atlas, layout);
+      }
+  });
+  return atlas;
+}
+
+}  // namespace loden::importer

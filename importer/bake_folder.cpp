@@ -1,0 +1,114 @@
+#include "importer/bake_folder.h"
+
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cstdio>
+
+#include "importer/baked_files.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+
+// While a bake is unfinished its manifest stands here.
+fs::path unfinishedPath(const fs::path& folder) { return folder / "bake.unfinished.json"; }
+fs::path finishedPath(const fs::path& folder) { return folder / "bake.json"; }
+
+constexpr const char* kParts[] = {"btf", "flat", "visible", "vdim", "surface"};
+
+void removeParts(const fs::path& folder) {
+  std::error_code error;
+  for (const char* part : kParts) fs::remove_all(folder / part, error);
+}
+
+std::string processSuffix() { return ".tmp" + std::to_string(getpid()); }
+
+// The manifest text in the folder, of a finished or unfinished bake; empty if there is none.
+std::string presentManifest(const fs::path& folder) {
+  for (const fs::path& path : {unfinishedPath(folder), finishedPath(folder)}) {
+    std::error_code error;
+    if (!fs::exists(path, error)) continue;
+    const auto text = readText(path);
+    return text ? *text : std::string("unreadable");
+  }
+  return {};
+}
+
+template <class T>
+void feed(XXH3_state_t* state, const T& value) {
+  XXH3_128bits_update(state, &value, sizeof value);
+}
+
+}  // namespace
+
+Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifest& manifest, bool resume, bool shared) {
+  const std::string wanted = manifestText(manifest), present = presentManifest(folder);
+  if (!present.empty() && present != wanted && (resume || shared))
+    return Issue{issue_id::kExists, Severity::kError, folder.string(),
+                 "holds a bake of another tile or with other options; choose an empty folder, or bake without --resume and --shard"};
+  std::error_code error;
+  const bool fresh = present != wanted;
+  if (fresh) removeParts(folder);
+  if (!shared || fresh) fs::remove(finishedPath(folder), error);
+  for (const char* part : kParts) {
+    fs::create_directories(folder / part, error);
+    if (error)
+      return Issue{issue_id::kCannotWrite, Severity::kError, (folder / part).string(), "cannot be created: " + error.message()};
+  }
+  if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status) return status.issue();
+  BakeFolder result;
+  result.folder_ = folder;
+  result.manifest_ = manifest;
+  return result;
+}
+
+bool BakeFolder::complete() const {
+  const BakeManifest& m = manifest_;
+  std::error_code error;
+  for (int view = 0; view < m.directions.size(); ++view) {
+    if (m.has_btf && !fs::exists(btfPath(folder_, view), error)) return false;
+    if (m.has_flat && !(fs::exists(flatPath(folder_, view), error) && fs::exists(visiblePath(folder_, view), error))) return false;
+  }
+  if (m.has_vdim)
+    for (const glm::ivec2& size : m.vdims)
+      if (!fs::exists(vdimPath(folder_, size), error)) return false;
+  if (m.has_surface)
+    for (const char* map : {"geometry", "normal", "diffuse", "specular"})
+      if (!fs::exists(surfacePath(folder_, map), error)) return false;
+  return true;
+}
+
+Status BakeFolder::finish() const {
+  if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_), processSuffix()); !status) return status;
+  std::error_code error;
+  fs::remove(unfinishedPath(folder_), error);
+  return {};
+}
+
+void BakeFolder::discard() const {
+  removeParts(folder_);
+  std::error_code error;
+  fs::remove(unfinishedPath(folder_), error);
+}
+
+std::string tileHash(const Tile& tile) {
+  XXH3_state_t* state = XXH3_createState();
+  XXH3_128bits_reset(state);
+  for (size_t v = 0; v < tile.positions.size(); ++v) {
+    const LocalBrdf& brdf = tile.brdfs[v];
+    feed(state, tile.positions[v]), feed(state, tile.normals[v]), feed(state, tile.params[v]);
+    feed(state, brdf.diffuse), feed(state, brdf.specular), feed(state, brdf.exponent);
+  }
+  for (const glm::uvec3& triangle : tile.triangles) feed(state, triangle);
+  for (const uint16_t chart : tile.charts) feed(state, chart);
+  const XXH128_hash_t hash = XXH3_128bits_digest(state);
+  XXH3_freeState(state);
+  char text[33];
+  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64), static_cast<unsigned long long>(hash.low64));
+  return text;
+}
+
+}  // namespace loden::importer

@@ -1,0 +1,34 @@
+// The state of a bake's folder while it fills: which bake it is of, which files it has. Not installed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "importer/baked_output.h"
+#include "material/result.h"
+
+namespace loden::importer {
+
+class BakeFolder {
+ public:
+  // Makes the folder ready for this bake: a bake of something else in it is removed, or refused if it is to be
+  // resumed or shared with other shards.
+  static Result<BakeFolder> prepare(const std::filesystem::path& folder, const BakeManifest& manifest, bool resume, bool shared);
+
+  const std::filesystem::path& path() const { return folder_; }
+  // All files that the manifest's maps ask for exist.
+  bool complete() const;
+  // Writes bake.json and takes the mark of the unfinished bake away.
+  Status finish() const;
+  // Removes all that the bake has written.
+  void discard() const;
+
+ private:
+  std::filesystem::path folder_;
+  BakeManifest manifest_;
+};
+
+// XXH3-128 of everything that the bake reads from the tile, hex.
+std::string tileHash(const Tile& tile);
+
+}  // namespace loden::importer

@@ -1,0 +1,123 @@
+// VDIM, geometry image and surface maps of a bake, and what is common to its parts.
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "importer/bake_scene.h"
+#include "importer/local_brdf.h"
+#include "importer/push_pull.h"
+#include "importer/random.h"
+#include "material/vdim.h"
+
+namespace loden::importer {
+
+glm::dvec2 samplePosition(int k, int supersample) {
+  constexpr glm::dvec2 kBeside{0.0131, -0.0217};  // of a sample's cell
+  return (glm::dvec2(k % supersample, k / supersample) + 0.5 + kBeside) / double(supersample);
+}
+
+void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed, glm::vec3* values) {
+  const auto& lights = scene.directions();
+  TileHit at = hit;
+  glm::dvec3 towards = wo, weight(1);
+  uint64_t rays = 0;
+  for (int bounce = 0; bounce < scene.manifest.bounces; ++bounce) {
+    seed = mixSeed(seed, 2);
+    const glm::dvec3 direction = cosineDirection(at.normal, uniform(seed, 0), uniform(seed, 1));
+    if (glm::dot(direction, at.geometric_normal) <= 0) break;
+    weight *= reflectance(at.brdf, at.normal, direction, towards);
+    ++rays;
+    const auto next = scene.tracer.intersect(at.ray_origin, direction);
+    if (!next) break;
+    at = *next, towards = -direction;
+    for (size_t l = 0; l < lights.size(); ++l) {
+      const double cosine = glm::dot(at.normal, lights[l]);
+      if (cosine <= 0) continue;
+      ++rays;
+      if (!scene.tracer.occluded(at.ray_origin, lights[l]))
+        values[l] += glm::vec3(weight * reflectance(at.brdf, at.normal, lights[l], towards) * cosine);
+    }
+  }
+  scene.counters.rays += rays;
+}
+
+Image bakeVdim(const BakeScene& scene, glm::ivec2 size) {
+  constexpr glm::dvec2 kBeside{1.31e-3, -2.17e-3};  // of a texel: off the edges of regular meshes
+  const int side = scene.manifest.size, zeniths = size.x, azimuths = size.y;
+  const AtlasLayout layout{side, zeniths * azimuths, azimuths};
+  Image image{layout.width(), layout.height(), 2, {}};
+  image.pixels.resize(size_t(layout.width()) * size_t(layout.height()) * 2);
+  tbb::parallel_for(0, layout.cells, [&](int cell) {
+    const FlushDenormals flush;
+    const int z = cell / azimuths, a = cell % azimuths;
+    const glm::dvec3 wo = directionFromSpherical({kThetaMax * z / (zeniths - 1), 2 * kPi * a / (azimuths - 1)});
+    uint64_t misses = 0;
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        const glm::dvec2 x = (glm::dvec2(i, j) + 0.5 + kBeside) / double(side);
+        const auto hit = scene.tracer.intersectView(x, wo);
+        misses += !hit;
+        const glm::dvec2 displacement = hit ? hit->p - x : glm::dvec2(0);
+        float* pixel = &image.pixels[2 * layout.pixel(cell, i, j)];
+        pixel[0] = float(displacement.x), pixel[1] = float(displacement.y);
+      }
+    scene.counters.rays += uint64_t(side) * uint64_t(side);
+    scene.counters.hits_due += uint64_t(side) * uint64_t(side);
+    scene.counters.misses += misses;
+  });
+  return image;
+}
+
+namespace {
+
+Image bakeGeometry(const BakeScene& scene) {
+  const int side = scene.manifest.geometry_size;
+  const Tile& tile = scene.tracer.tile();
+  const auto located = locateParams(tile, side, glm::dvec2(0.5));
+  Image image{side, side, 4, std::vector<float>(size_t(side) * size_t(side) * 4)};
+  for (size_t t = 0; t < located.size(); ++t) {
+    if (!located[t].covered()) continue;
+    const TileHit hit = scene.tracer.pointOn(located[t].triangle, glm::dvec2(located[t].b));
+    image.pixels[4 * t + 0] = float(hit.position.x - hit.p.x);
+    image.pixels[4 * t + 1] = float(hit.position.y - hit.p.y);
+    image.pixels[4 * t + 2] = float(hit.position.z);
+    image.pixels[4 * t + 3] = float(tile.charts[located[t].triangle]);
+  }
+  return image;
+}
+
+// One map of `channels` values (1..3), its uncovered texels filled.
+Image filledMap(int side, int channels, std::span<const float> coverage, std::vector<glm::vec3> texels) {
+  PushPull(side, coverage).apply(texels);
+  Image image{side, side, channels, {}};
+  for (const glm::vec3& texel : texels)
+    for (int c = 0; c < channels; ++c) image.pixels.push_back(texel[c]);
+  return image;
+}
+
+}  // namespace
+
+SurfaceImages bakeSurface(const BakeScene& scene) {
+  const int side = scene.manifest.flat_size, per_side = scene.manifest.supersample;
+  const size_t texels = size_t(side) * size_t(side);
+  std::vector<float> coverage(texels);
+  std::vector<glm::vec3> normal(texels), diffuse(texels), specular(texels);
+  for (int k = 0; k < per_side * per_side; ++k) {
+    const auto located = locateParams(scene.tracer.tile(), side, samplePosition(k, per_side));
+    for (size_t t = 0; t < texels; ++t) {
+      if (!located[t].covered()) continue;
+      const TileHit hit = scene.tracer.pointOn(located[t].triangle, glm::dvec2(located[t].b));
+      coverage[t] += 1;
+      normal[t] += glm::vec3(hit.normal);
+      diffuse[t] += hit.brdf.diffuse;
+      specular[t] += glm::vec3(hit.brdf.specular, hit.brdf.exponent, 0);
+    }
+  }
+  for (size_t t = 0; t < texels; ++t)
+    if (coverage[t] > 0) normal[t] /= coverage[t], diffuse[t] /= coverage[t], specular[t] /= coverage[t];
+  return {bakeGeometry(scene), filledMap(side, 3, coverage, std::move(normal)), filledMap(side, 3, coverage, std::move(diffuse)),
+          filledMap(side, 2, coverage, std::move(specular))};
+}
+
+}  // namespace loden::importer

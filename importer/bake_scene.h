@@ -1,0 +1,82 @@
+// What all parts of a bake share, and the parts; not installed.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "importer/baked_files.h"
+#include "importer/baked_output.h"
+#include "importer/image_file.h"
+#include "importer/param_map.h"
+#include "importer/tile_tracer.h"
+
+namespace loden::importer {
+
+// Odd events and work done, counted from all threads.
+struct BakeCounters {
+  std::atomic<uint64_t> rays{0};
+  std::atomic<uint64_t> hits_due{0};  // rays that have to meet the tile's front
+  std::atomic<uint64_t> misses{0};    // those of them that did not
+};
+
+struct BakeScene {
+  const TileTracer& tracer;
+  const BakeManifest& manifest;
+  BakeCounters& counters;
+
+  const std::vector<glm::dvec3>& directions() const { return manifest.directions.samples; }
+};
+
+// Where sample k of supersample^2 lies in its texel, in [0,1)^2: the centre of its cell, a little beside it
+// and unequally in x and y, so that samples fall on no edge or diagonal of a regular mesh.
+glm::dvec2 samplePosition(int k, int supersample);
+
+// Indirect light of one path per sample, added to values[light] (white units).
+void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed, glm::vec3* values);
+
+// One view of the BTF, as the atlas image of all lights (3 channels).
+Image bakeBtfView(const BakeScene& scene, int view);
+
+// The Flat-BTF (FBTF 3.3): surface samples over p and their shadows are found once, for all views.
+class FlatBaker {
+ public:
+  explicit FlatBaker(const BakeScene& scene);
+  struct View {
+    Image atlas;                 // 3 channels, holes filled
+    std::vector<float> visible;  // [flat texel], share of the texel's surface that the view sees
+  };
+  View bakeView(int view) const;
+
+ private:
+  struct Sample {
+    glm::vec3 origin, normal, geometric_normal;
+    glm::vec3 diffuse;
+    float specular, exponent;
+    uint32_t triangle;
+    glm::vec2 b;
+  };
+  void traceShadows();
+  bool lit(size_t sample, int light) const {
+    return light_bits_[sample * words_ + size_t(light) / 64] >> (light % 64) & 1;
+  }
+  void bakeRow(int row, int view, Image& atlas, std::vector<float>& visible) const;
+
+  const BakeScene& scene_;
+  int side_ = 0, per_texel_ = 0;
+  std::vector<uint32_t> first_;  // [flat texel + 1]: samples of each texel
+  std::vector<Sample> samples_;
+  size_t words_ = 0;
+  std::vector<uint64_t> light_bits_;  // [sample][word]: lights that reach the sample
+};
+
+// p - x at the texel centres for every view of a latlong map (FBTF 3.4), as the image of baked_output.h.
+Image bakeVdim(const BakeScene& scene, glm::ivec2 zeniths_azimuths);
+
+// Geometry image and surface maps over p.
+struct SurfaceImages {
+  Image geometry, normal, diffuse, specular;
+};
+SurfaceImages bakeSurface(const BakeScene& scene);
+
+}  // namespace loden::importer

@@ -1,0 +1,127 @@
+#include "importer/baked_files.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kSchema = "loden/bake/1";
+constexpr int kMaxSide = 4096, kMaxDirections = 4096;
+
+fs::path viewPath(const fs::path& folder, const char* kind, int view, const char* extension) {
+  char name[48];
+  std::snprintf(name, sizeof name, "view_%04d.%s", view, extension);
+  return folder / kind / name;
+}
+
+nlohmann::ordered_json directionsJson(const DirectionSet& set) {
+  if (set.kind != DirectionSetKind::kList) return directionsName(set);
+  auto list = nlohmann::ordered_json::array();
+  for (const glm::dvec3& w : set.samples) list.push_back({w.x, w.y, w.z});
+  return list;
+}
+
+std::optional<DirectionSet> directionsFromJson(const nlohmann::json& json) {
+  if (json.is_string()) return directionsByName(json.get<std::string>());
+  DirectionSet set;
+  for (const auto& w : json) {
+    const glm::dvec3 direction(w.at(0).get<double>(), w.at(1).get<double>(), w.at(2).get<double>());
+    if (std::abs(glm::length(direction) - 1) > 1e-3 || direction.z <= 0) return std::nullopt;
+    set.samples.push_back(glm::normalize(direction));
+  }
+  return set;
+}
+
+}  // namespace
+
+fs::path btfPath(const fs::path& folder, int view) { return viewPath(folder, "btf", view, "exr"); }
+fs::path flatPath(const fs::path& folder, int view) { return viewPath(folder, "flat", view, "exr"); }
+fs::path visiblePath(const fs::path& folder, int view) { return viewPath(folder, "visible", view, "png"); }
+fs::path vdimPath(const fs::path& folder, glm::ivec2 size) {
+  return folder / "vdim" / ("latlong_" + std::to_string(size.x) + "x" + std::to_string(size.y) + ".exr");
+}
+fs::path surfacePath(const fs::path& folder, const std::string& map) { return folder / "surface" / (map + ".exr"); }
+
+AtlasLayout AtlasLayout::forLights(int side, int lights) {
+  return {side, lights, static_cast<int>(std::ceil(std::sqrt(double(lights))))};
+}
+
+std::string manifestText(const BakeManifest& m) {
+  nlohmann::ordered_json json;
+  json["schema"] = kSchema;
+  json["tile"] = m.tile;
+  json["input_hash"] = m.input_hash;
+  json["size"] = m.size;
+  json["flat_size"] = m.flat_size;
+  json["geometry_size"] = m.geometry_size;
+  json["supersample"] = m.supersample;
+  json["bounces"] = m.bounces;
+  json["directions"] = directionsJson(m.directions);
+  json["vdims"] = nlohmann::ordered_json::array();
+  for (const glm::ivec2& size : m.vdims) json["vdims"].push_back({size.x, size.y});
+  json["maps"] = {{"btf", m.has_btf}, {"flat", m.has_flat}, {"vdim", m.has_vdim}, {"surface", m.has_surface}};
+  json["identity_parameterization"] = m.identity_parameterization;
+  return json.dump(2) + "\n";
+}
+
+Result<BakeManifest> parseManifest(const std::string& text, const std::string& where) {
+  const auto refuse = [&](const std::string& why) { return Issue{issue_id::kBakeManifest, Severity::kError, where, why}; };
+  try {
+    const auto json = nlohmann::json::parse(text);
+    if (json.at("schema") != kSchema) return refuse(std::string("schema is not ") + kSchema);
+    BakeManifest m;
+    m.tile = json.at("tile").get<std::string>();
+    m.input_hash = json.at("input_hash").get<std::string>();
+    m.size = json.at("size").get<int>();
+    m.flat_size = json.at("flat_size").get<int>();
+    m.geometry_size = json.at("geometry_size").get<int>();
+    m.supersample = json.at("supersample").get<int>();
+    m.bounces = json.at("bounces").get<int>();
+    for (const int side : {m.size, m.flat_size, m.geometry_size})
+      if (side < 1 || side > kMaxSide) return refuse("a size is outside 1.." + std::to_string(kMaxSide));
+    const auto directions = directionsFromJson(json.at("directions"));
+    if (!directions || directions->size() < 1 || directions->size() > kMaxDirections) return refuse("directions are not valid");
+    m.directions = *directions;
+    for (const auto& size : json.at("vdims")) m.vdims.push_back({size.at(0).get<int>(), size.at(1).get<int>()});
+    const auto& maps = json.at("maps");
+    m.has_btf = maps.at("btf").get<bool>(), m.has_flat = maps.at("flat").get<bool>();
+    m.has_vdim = maps.at("vdim").get<bool>(), m.has_surface = maps.at("surface").get<bool>();
+    m.identity_parameterization = json.at("identity_parameterization").get<bool>();
+    return m;
+  } catch (const nlohmann::json::exception& error) {
+    return refuse(std::string("not a bake manifest: ") + error.what());
+  }
+}
+
+Status writeText(const fs::path& path, const std::string& text, const std::string& temporary_suffix) {
+  const fs::path temporary = path.string() + temporary_suffix;
+  const auto refuse = [&](const std::string& why) {
+    return Issue{issue_id::kCannotWrite, Severity::kError, path.string(), "cannot be written: " + why};
+  };
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file << text;
+    if (!file.flush()) return refuse("no space or no permission");
+  }
+  std::error_code error;
+  fs::rename(temporary, path, error);
+  if (error) return refuse(error.message());
+  return {};
+}
+
+Result<std::string> readText(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "cannot be opened; is the path right?"};
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace loden::importer

@@ -1,0 +1,62 @@
+#include "importer/image_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include "material/check.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The same name every time: a killed run's leftover is overwritten by the next.
+fs::path temporaryName(const fs::path& path) {
+  std::string name(".");
+  name += path.stem().string();
+  return path.parent_path() / (name + ".tmp" + path.extension().string());
+}
+
+OIIO::TypeDesc oiioType(PixelType type) {
+  switch (type) {
+    case PixelType::kHalf: return OIIO::TypeDesc::HALF;
+    case PixelType::kFloat: return OIIO::TypeDesc::FLOAT;
+    case PixelType::kByte: return OIIO::TypeDesc::UINT8;
+  }
+  return OIIO::TypeDesc::FLOAT;
+}
+
+Issue cannotWrite(const fs::path& path, const std::string& why) {
+  return {issue_id::kCannotWrite, Severity::kError, path.string(), "cannot be written: " + why};
+}
+
+}  // namespace
+
+Status writeImage(const fs::path& path, int width, int height, int channels, PixelType type, std::span<const float> pixels) {
+  LODEN_CHECK_EQ(pixels.size(), size_t(width) * size_t(height) * size_t(channels));
+  const fs::path temporary = temporaryName(path);
+  const auto output = OIIO::ImageOutput::create(temporary.string());
+  if (!output) return cannotWrite(path, OIIO::geterror());
+  OIIO::ImageSpec spec(width, height, channels, oiioType(type));
+  if (path.extension() == ".exr") spec.attribute("compression", "zip:1");
+  if (!output->open(temporary.string(), spec)) return cannotWrite(path, output->geterror());
+  const bool written = output->write_image(OIIO::TypeDesc::FLOAT, pixels.data());
+  if (!output->close() || !written) return cannotWrite(path, output->geterror());
+  std::error_code error;
+  fs::rename(temporary, path, error);
+  if (error) return cannotWrite(path, error.message());
+  return {};
+}
+
+Result<Image> readImage(const fs::path& path) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "cannot be opened: " + OIIO::geterror()};
+  const OIIO::ImageSpec& spec = input->spec();
+  Image image{spec.width, spec.height, spec.nchannels, {}};
+  image.pixels.resize(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels));
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
+    return Issue{issue_id::kImage, Severity::kError, path.string(), "cannot be read: " + input->geterror()};
+  return image;
+}
+
+}  // namespace loden::importer

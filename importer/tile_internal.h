@@ -1,0 +1,34 @@
+// What the makers of tiles share; not installed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "importer/tile.h"
+
+namespace loden::importer {
+
+// The tile with period 1 and its top at z = 0; refuses non-finite values (with count and first index), indices
+// out of range, and fewer triangles than a surface needs. `where` names the tile in messages.
+Result<Tile> finishTile(Tile tile, const std::string& where);
+
+// A polygon mesh before it is a tile: what files hold and what subdivision refines. Uv 0 per vertex: vertices
+// are already split where texture coordinates are.
+struct PolygonMesh {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::dvec3> normals;  // empty: to be computed
+  std::vector<glm::dvec2> uvs;      // empty: none in the file
+  std::vector<LocalBrdf> brdfs;     // per vertex
+  std::vector<int> face_sizes;      // corners per face
+  std::vector<uint32_t> corners;    // vertex of each corner, face by face
+};
+
+Result<PolygonMesh> readGltfMesh(const std::filesystem::path& path);
+Result<PolygonMesh> readObjMesh(const std::filesystem::path& path);
+
+// Limit surface of the cage after `levels` of Catmull-Clark (Loop if all faces are triangles) subdivision:
+// limit positions and normals, uvs and reflectance refined smoothly. The cage is taken as periodic: its
+// borders are joined one period on, so that the limit surface has no seam. OpenSubdiv behind it.
+Result<PolygonMesh> subdivideMesh(const PolygonMesh& cage, const glm::dvec2& period, int levels, const std::string& where);
+
+}  // namespace loden::importer

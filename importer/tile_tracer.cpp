@@ -1,0 +1,291 @@
+#include "importer/tile_tracer.h"
+
+#include <embree3/rtcore.h>
+#include <immintrin.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "material/check.h"
+#include "material/directions.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr double kLift = 1e-5;         // of ray origins off the surface, tile periods; 40 times the float rounding
+constexpr double kOverlap = 1e-5;      // of two consecutive segments of a long ray, tile periods
+constexpr double kStartHeight = 1e-3;  // of view rays above z = 0, tile periods
+constexpr double kSlack = 1e-4;        // of the slab, so that surfaces in its planes are met; tile periods
+constexpr int kLanes = 8;              // rays in a packet
+constexpr int kMaxSegments = 4096;     // of one ray; bounds nearly horizontal ones
+constexpr size_t kMaxCopies = 2'000'000;  // triangles in the scene, if the tile itself has fewer
+
+struct Device {
+  RTCDevice device = rtcNewDevice("threads=1,isa=avx2");
+  ~Device() { rtcReleaseDevice(device); }
+};
+
+RTCDevice sharedDevice() {
+  static const Device device;
+  LODEN_CHECK(device.device != nullptr);
+  return device.device;
+}
+
+// How far beyond [0,1]^2 the scene repeats the tile: a full period where that is affordable, so that nearly
+// all rays end in their first segment.
+double marginFor(size_t triangles) {
+  const double periods = std::sqrt(double(kMaxCopies) / double(triangles));
+  return std::clamp((periods - 1) / 2, 0.1, 1.0);
+}
+
+RTCRay makeRay(const glm::dvec3& origin, const glm::dvec3& direction, double length) {
+  RTCRay ray{};
+  ray.org_x = float(origin.x), ray.org_y = float(origin.y), ray.org_z = float(origin.z);
+  ray.dir_x = float(direction.x), ray.dir_y = float(direction.y), ray.dir_z = float(direction.z);
+  ray.tnear = 0;
+  ray.tfar = float(length);
+  ray.mask = 0xFFFFFFFFu;
+  return ray;
+}
+
+// Where the next segment of a long ray begins.
+glm::dvec3 advance(const glm::dvec3& origin, const glm::dvec3& direction, double length) {
+  return origin + direction * std::max(length - kOverlap, length / 2);
+}
+
+}  // namespace
+
+struct TileTracer::Impl {
+  struct Copy {
+    uint32_t triangle;
+    int16_t shift_x, shift_y;  // periods
+  };
+  Tile tile;
+  RTCScene scene = nullptr;
+  std::vector<Copy> copies;  // per primitive of the scene
+  double margin = 1, z_min = 0;
+
+  explicit Impl(const Tile& source) : tile(source) { build(); }
+  ~Impl() { rtcReleaseScene(scene); }
+
+  void build();
+  // The part of a ray inside the box that the scene covers.
+  struct Segment {
+    glm::dvec3 origin;  // x and y in [0, 1)
+    glm::ivec2 period;  // taken off
+    double length;      // tile periods
+    bool last;          // the ray leaves the tile's slab within it
+  };
+  std::optional<Segment> segment(const glm::dvec3& origin, const glm::dvec3& direction) const;
+  bool blocked(glm::dvec3 origin, const glm::dvec3& direction) const;
+  void blockedPacket(const glm::vec3* origins, const size_t* index, int lanes, const glm::vec3& direction,
+                     std::span<uint8_t> blocked) const;
+};
+
+void TileTracer::Impl::build() {
+  LODEN_CHECK(!tile.triangles.empty());
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  for (const glm::dvec3& p : tile.positions) low = glm::min(low, p), high = glm::max(high, p);
+  z_min = std::min(low.z, -1e-6);
+  margin = marginFor(tile.triangles.size());
+
+  std::vector<glm::vec3> vertices;
+  std::vector<glm::uvec3> indices;
+  const glm::ivec2 first(glm::floor(-margin - glm::dvec2(high))), last(glm::ceil(1 + margin - glm::dvec2(low)));
+  constexpr uint32_t kUnused = 0xFFFFFFFFu;
+  std::vector<uint32_t> vertex_of(tile.positions.size());
+  for (int j = first.y; j <= last.y; ++j)
+    for (int i = first.x; i <= last.x; ++i) {
+      std::fill(vertex_of.begin(), vertex_of.end(), kUnused);
+      const glm::dvec3 shift(i, j, 0);
+      for (uint32_t t = 0; t < tile.triangles.size(); ++t) {
+        const glm::uvec3& triangle = tile.triangles[t];
+        glm::dvec2 box_low(1e30), box_high(-1e30);
+        for (int k = 0; k < 3; ++k) {
+          const glm::dvec2 corner(tile.positions[triangle[k]] + shift);
+          box_low = glm::min(box_low, corner), box_high = glm::max(box_high, corner);
+        }
+        if (box_high.x < -margin || box_high.y < -margin || box_low.x > 1 + margin || box_low.y > 1 + margin) continue;
+        glm::uvec3 corners;
+        for (int k = 0; k < 3; ++k) {
+          uint32_t& vertex = vertex_of[triangle[k]];
+          if (vertex == kUnused) {
+            vertex = static_cast<uint32_t>(vertices.size());
+            vertices.emplace_back(tile.positions[triangle[k]] + shift);
+          }
+          corners[k] = vertex;
+        }
+        indices.push_back(corners);
+        copies.push_back({t, static_cast<int16_t>(i), static_cast<int16_t>(j)});
+      }
+    }
+
+  RTCGeometry geometry = rtcNewGeometry(sharedDevice(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices.size());
+  std::copy(vertices.begin(), vertices.end(), static_cast<glm::vec3*>(into));
+  into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), indices.size());
+  std::copy(indices.begin(), indices.end(), static_cast<glm::uvec3*>(into));
+  rtcCommitGeometry(geometry);
+  scene = rtcNewScene(sharedDevice());
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+}
+
+std::optional<TileTracer::Impl::Segment> TileTracer::Impl::segment(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  const double far = std::numeric_limits<double>::infinity();
+  const double slab = direction.z > 0 ? (kSlack - origin.z) / direction.z
+                                      : (direction.z < 0 ? (z_min - kSlack - origin.z) / direction.z : far);
+  if (slab <= 0) return std::nullopt;
+  const glm::dvec2 period = glm::floor(glm::dvec2(origin));
+  const glm::dvec2 local = glm::dvec2(origin) - period;
+  double exit = far;
+  for (int axis = 0; axis < 2; ++axis)
+    if (direction[axis] != 0) exit = std::min(exit, ((direction[axis] > 0 ? 1 + margin : -margin) - local[axis]) / direction[axis]);
+  return Segment{{local, origin.z}, glm::ivec2(period), std::min(slab, exit), slab <= exit};
+}
+
+TileTracer::TileTracer(const Tile& tile) : impl_(std::make_unique<Impl>(tile)) {}
+TileTracer::~TileTracer() = default;
+TileTracer::TileTracer(TileTracer&&) noexcept = default;
+const Tile& TileTracer::tile() const { return impl_->tile; }
+double TileTracer::zMin() const { return impl_->z_min; }
+
+TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const {
+  const Tile& tile = impl_->tile;
+  const glm::uvec3 v = tile.triangles[triangle];
+  const double w[3] = {1 - b.x - b.y, b.x, b.y};
+  TileHit hit;
+  hit.triangle = triangle;
+  hit.brdf = {glm::vec3(0), 0, 0};
+  for (int k = 0; k < 3; ++k) {
+    const LocalBrdf& brdf = tile.brdfs[v[k]];
+    hit.position += w[k] * tile.positions[v[k]];
+    hit.normal += w[k] * tile.normals[v[k]];
+    hit.p += w[k] * tile.params[v[k]];
+    hit.brdf.diffuse += float(w[k]) * brdf.diffuse;
+    hit.brdf.specular += float(w[k]) * brdf.specular;
+    hit.brdf.exponent += float(w[k]) * brdf.exponent;
+  }
+  hit.normal = glm::normalize(hit.normal);
+  const glm::dvec3 face = glm::cross(tile.positions[v[1]] - tile.positions[v[0]], tile.positions[v[2]] - tile.positions[v[0]]);
+  hit.geometric_normal = glm::normalize(glm::dot(face, hit.normal) < 0 ? -face : face);
+  hit.ray_origin = hit.position + kLift * hit.geometric_normal;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3& normal = tile.normals[v[k]];
+    const double below = std::min(0.0, glm::dot(hit.position - tile.positions[v[k]], normal));
+    hit.ray_origin -= w[k] * below * normal;
+  }
+  return hit;
+}
+
+std::optional<TileHit> TileTracer::intersect(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  glm::dvec3 start = origin;
+  for (int k = 0; k < kMaxSegments; ++k) {
+    const auto part = impl_->segment(start, direction);
+    if (!part) return std::nullopt;
+    RTCRayHit ray{};
+    ray.ray = makeRay(part->origin, direction, part->length);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(impl_->scene, &context, &ray);
+    if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
+      const Impl::Copy& copy = impl_->copies[ray.hit.primID];
+      TileHit hit = pointOn(copy.triangle, {ray.hit.u, ray.hit.v});
+      const glm::dvec2 shift(part->period + glm::ivec2(copy.shift_x, copy.shift_y));
+      hit.position += glm::dvec3(shift, 0);
+      hit.ray_origin += glm::dvec3(shift, 0);
+      hit.p += shift;
+      hit.t = glm::dot(hit.position - origin, direction) / glm::dot(direction, direction);
+      if (glm::dot(hit.geometric_normal, direction) > 0) {  // the back of the surface
+        hit.ray_origin = hit.position - kLift * hit.geometric_normal;
+        hit.geometric_normal = -hit.geometric_normal;
+      }
+      return hit;
+    }
+    if (part->last) return std::nullopt;
+    start = advance(start, direction, part->length);
+  }
+  return std::nullopt;
+}
+
+bool TileTracer::Impl::blocked(glm::dvec3 origin, const glm::dvec3& direction) const {
+  for (int k = 0; k < kMaxSegments; ++k) {
+    const auto part = segment(origin, direction);
+    if (!part) return false;
+    RTCRay ray = makeRay(part->origin, direction, part->length);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+    if (ray.tfar < 0) return true;
+    if (part->last) return false;
+    origin = advance(origin, direction, part->length);
+  }
+  return false;
+}
+
+bool TileTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  return impl_->blocked(origin, direction);
+}
+
+// All rays of the packet end inside the covered box.
+void TileTracer::Impl::blockedPacket(const glm::vec3* origins, const size_t* index, int lanes, const glm::vec3& direction,
+                                     std::span<uint8_t> blocked) const {
+  RTCRay8 rays{};
+  alignas(32) int valid[kLanes];
+  for (int k = 0; k < kLanes; ++k) {
+    valid[k] = k < lanes ? -1 : 0;
+    rays.org_x[k] = origins[k].x, rays.org_y[k] = origins[k].y, rays.org_z[k] = origins[k].z;
+    rays.dir_x[k] = direction.x, rays.dir_y[k] = direction.y, rays.dir_z[k] = direction.z;
+    rays.tfar[k] = (float(kSlack) - origins[k].z) / direction.z;
+    rays.mask[k] = 0xFFFFFFFFu;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcOccluded8(valid, scene, &context, &rays);
+  for (int k = 0; k < lanes; ++k) blocked[index[k]] = rays.tfar[k] < 0;
+}
+
+void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted, const glm::vec3& direction,
+                          std::span<uint8_t> blocked) const {
+  LODEN_CHECK_EQ(origins.size(), wanted.size());
+  LODEN_CHECK_EQ(origins.size(), blocked.size());
+  const double travel = (kSlack - impl_->z_min) * glm::length(glm::vec2(direction)) / direction.z;
+  const bool one_segment = direction.z > 0 && travel < impl_->margin;
+  glm::vec3 start[kLanes];
+  size_t index[kLanes];
+  int lanes = 0;
+  for (size_t i = 0; i < origins.size(); ++i) {
+    blocked[i] = 1;
+    if (!wanted[i]) continue;
+    if (!one_segment) {
+      blocked[i] = impl_->blocked(glm::dvec3(origins[i]), glm::dvec3(direction));
+      continue;
+    }
+    start[lanes] = origins[i] - glm::vec3(glm::floor(glm::vec2(origins[i])), 0);
+    index[lanes++] = i;
+    if (lanes == kLanes) impl_->blockedPacket(start, index, lanes, direction, blocked), lanes = 0;
+  }
+  if (lanes > 0) {
+    std::fill(start + lanes, start + kLanes, start[0]);
+    impl_->blockedPacket(start, index, lanes, direction, blocked);
+  }
+}
+
+std::optional<TileHit> TileTracer::intersectView(glm::dvec2 x, const glm::dvec3& wo) const {
+  const double back = kStartHeight / wo.z;
+  auto hit = intersect(glm::dvec3(x, 0) + back * wo, -wo);
+  if (hit) hit->t -= back;
+  return hit;
+}
+
+FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }
+FlushDenormals::~FlushDenormals() { _mm_setcsr(saved_); }
+
+}  // namespace loden::importer

@@ -397,6 +397,8 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   return {};
 }
 
+void FrameRenderer::finish() const { glFinish(); }
+
 const FrameStats& FrameRenderer::stats() const { return impl_->stats; }
 Bounds FrameRenderer::bounds() const { return impl_->bounds; }
 

@@ -67,6 +67,8 @@ class FrameRenderer {
   void prepare(const View& view, const FrameSettings& settings);
   // Draws what was prepared. GL state is as before afterwards. Issues of ShaderLibrary::program.
   Status draw(const FrameTarget& target);
+  // Waits until the GPU has drawn everything; for measuring.
+  void finish() const;
 
   // Of the last frame drawn.
   const FrameStats& stats() const;

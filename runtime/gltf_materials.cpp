@@ -61,8 +61,8 @@ Result<FlatBtfBinding> readBinding(const Reader& reader, const tinygltf::Value& 
   binding.asset = *asset;
   binding.tex_coord = indexMember(object, "texCoord").value_or(0);
   const double rotation = numberMember(object, "rotation").value_or(0);
-  if (binding.tex_coord > 7 || !std::isfinite(rotation))
-    return reader.issue(issue_id::kGltfExtension, place, "texCoord must be 0 .. 7 and rotation finite");
+  if (binding.tex_coord > 15 || !std::isfinite(rotation))
+    return reader.issue(issue_id::kGltfExtension, place, "texCoord must be 0 .. 15 and rotation finite");
   binding.rotation = static_cast<float>(rotation);
   if (Status scale = readScale(reader, object, place, binding.scale); !scale) return scale.issue();
   return binding;

@@ -1,0 +1,198 @@
+// Writes the gallery: gallery.gltf and gallery.bin, the same bytes every time. Usage: make_gallery FOLDER
+// Each of the materials button, isba, pulli and sponge hangs on a wall as cloth, covers a pot, and lies on the floor
+// as a strip of 30 m. `loden pack` gives them their assets; until then the factors below stand in.
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sample_game/gallery/shapes.h"
+
+namespace gallery {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kLength = 33, kHalfWidth = 3.6f, kHeight = 4;  // of the hall, metres; it runs from z = 2 to -31
+constexpr float kNear = 2;
+
+Json vec(glm::vec3 v) { return {v.x, v.y, v.z}; }
+
+// The document and its one buffer.
+class Writer {
+ public:
+  Writer() {
+    json_["asset"] = {{"version", "2.0"}, {"generator", "Loden make_gallery"}};
+    json_["extensionsUsed"] = {"KHR_lights_punctual"};
+    json_["scene"] = 0;
+    json_["scenes"] = {{{"name", "gallery"}, {"nodes", Json::array()}}};
+  }
+
+  int addMaterial(const std::string& name, glm::vec3 color, float roughness, bool double_sided) {
+    Json material{{"name", name},
+                  {"pbrMetallicRoughness",
+                   {{"baseColorFactor", {color.x, color.y, color.z, 1.0f}},
+                    {"metallicFactor", 0},
+                    {"roughnessFactor", roughness}}}};
+    if (double_sided) material["doubleSided"] = true;
+    return append("materials", material);
+  }
+
+  int addMesh(const std::string& name, const Shape& shape, int material) {
+    glm::vec3 low(1e9f), high(-1e9f);
+    for (const glm::vec3& p : shape.positions) low = glm::min(low, p), high = glm::max(high, p);
+    const int positions = addAccessor(shape.positions, 5126, "VEC3", 34962);
+    json_["accessors"][positions]["min"] = vec(low);
+    json_["accessors"][positions]["max"] = vec(high);
+    const int uvs = addAccessor(shape.uvs, 5126, "VEC2", 34962);
+    std::vector<uint16_t> indices;
+    for (const auto& q : shape.quads) indices.insert(indices.end(), {q[0], q[1], q[2], q[0], q[2], q[3]});
+    Json mesh{{"name", name},
+              {"primitives",
+               {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uvs}}},
+                 {"indices", addAccessor(indices, 5123, "SCALAR", 34963)},
+                 {"material", material}}}}};
+    if (shape.is_cage) mesh["extras"]["loden_subdivision"] = {{"levels", 3}, {"quads", true}};
+    return append("meshes", mesh);
+  }
+
+  void addNode(Json node) { json_["scenes"][0]["nodes"].push_back(append("nodes", std::move(node))); }
+  void addLight(Json light, glm::vec3 position, Json rotation = {}) {
+    Json& lights = json_["extensions"]["KHR_lights_punctual"]["lights"];
+    Json node{{"name", light["name"]}, {"translation", vec(position)}};
+    if (!rotation.is_null()) node["rotation"] = rotation;
+    node["extensions"]["KHR_lights_punctual"]["light"] = lights.size();
+    lights.push_back(std::move(light));
+    addNode(std::move(node));
+  }
+  int addCamera(const Json& camera) { return append("cameras", camera); }
+
+  bool write(const std::filesystem::path& folder) {
+    json_["buffers"] = {{{"uri", "gallery.bin"}, {"byteLength", buffer_.size()}}};
+    std::ofstream binary(folder / "gallery.bin", std::ios::binary);
+    binary.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    std::ofstream text(folder / "gallery.gltf", std::ios::binary);
+    text << json_.dump(1, '\t') << '\n';
+    binary.close();
+    text.close();
+    return binary && text;
+  }
+
+ private:
+  int append(const char* array, Json value) {
+    json_[array].push_back(std::move(value));
+    return static_cast<int>(json_[array].size()) - 1;
+  }
+
+  template <class T>
+  int addAccessor(const std::vector<T>& values, int component, const char* type, int target) {
+    const size_t offset = buffer_.size(), bytes = values.size() * sizeof(T);
+    buffer_.resize((offset + bytes + 3) / 4 * 4);
+    std::memcpy(buffer_.data() + offset, values.data(), bytes);
+    const int view = append("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}, {"target", target}});
+    return append("accessors", {{"bufferView", view}, {"componentType", component}, {"count", values.size()}, {"type", type}});
+  }
+
+  Json json_;
+  std::vector<char> buffer_;
+};
+
+struct Exhibit {
+  const char* name;
+  glm::vec3 color;
+  float roughness;
+  Shape (*pot)();
+  float lane;           // x of pot and strip
+  float wall, cloth_z;  // -1: left wall, 1: right wall; where along it
+};
+constexpr int kExhibits = 4;
+const Exhibit kExhibit[kExhibits] = {
+    {"button", {.46f, .10f, .08f}, .5f, &bottle, -2.1f, -1, -2.2f},
+    {"isba", {.45f, .30f, .16f}, .8f, &teapot, -0.7f, -1, -5.2f},
+    {"pulli", {.20f, .27f, .42f}, .9f, &vase, 0.7f, 1, -2.2f},
+    {"sponge", {.75f, .60f, .22f}, .8f, &jar, 2.1f, 1, -5.2f},
+};
+
+void addHall(Writer& writer) {
+  const int plaster = writer.addMaterial("plaster", {.62f, .60f, .56f}, .95f, false);
+  const int planks = writer.addMaterial("floor", {.20f, .17f, .15f}, .7f, false);
+  const float left = -kHalfWidth, right = kHalfWidth, width = 2 * kHalfWidth, far = kNear - kLength;
+  const auto add = [&](const char* name, const Shape& shape, int material) {
+    writer.addNode({{"name", name}, {"mesh", writer.addMesh(name, shape, material)}});
+  };
+  add("floor", rectangle({left, 0, kNear}, {width, 0, 0}, {0, 0, -kLength}), planks);
+  add("left wall", rectangle({left, 0, kNear}, {0, 0, -kLength}, {0, kHeight, 0}), plaster);
+  add("right wall", rectangle({right, 0, far}, {0, 0, kLength}, {0, kHeight, 0}), plaster);
+  add("far wall", rectangle({left, 0, far}, {width, 0, 0}, {0, kHeight, 0}), plaster);
+  add("near wall", rectangle({right, 0, kNear}, {-width, 0, 0}, {0, kHeight, 0}), plaster);
+  // The ceiling leaves a skylight in the middle, through which the sun falls.
+  add("left ceiling", rectangle({left, kHeight, far}, {1.4f, 0, 0}, {0, 0, kLength}), plaster);
+  add("right ceiling", rectangle({right - 1.4f, kHeight, far}, {1.4f, 0, 0}, {0, 0, kLength}), plaster);
+}
+
+void addExhibit(Writer& writer, const Exhibit& exhibit, int pedestal) {
+  const std::string name = exhibit.name;
+  const int material = writer.addMaterial(name, exhibit.color, exhibit.roughness, true);
+  const glm::vec3 stand(exhibit.lane, 0.8f, -1.2f);
+  writer.addNode({{"name", name + " pedestal"}, {"mesh", pedestal}, {"translation", {stand.x, 0, stand.z}}});
+  writer.addNode({{"name", name + " pot"},
+                  {"mesh", writer.addMesh(name + " pot", exhibit.pot(), material)},
+                  {"translation", vec(stand)}});
+
+  const float turn = exhibit.wall < 0 ? .70710678f : -.70710678f;  // half angles of a quarter turn about y
+  writer.addNode({{"name", name + " cloth"},
+                  {"mesh", writer.addMesh(name + " cloth", drapedCloth(2.2f, 2.6f, 4), material)},
+                  {"translation", {exhibit.wall * (kHalfWidth - 0.14f), 0.5f, exhibit.cloth_z}},
+                  {"rotation", {0, turn, 0, .70710678f}}});
+
+  // In pieces, so that only those in sight are drawn, with only the lights that reach them.
+  constexpr int kPieces = 12;
+  constexpr float kPiece = 2.5f, kWidth = 0.9f;
+  const int strip = writer.addMesh(name + " strip", rectangle({0, 0, 0}, {kWidth, 0, 0}, {0, 0, -kPiece}), material);
+  for (int i = 0; i < kPieces; ++i)
+    writer.addNode({{"name", name + " strip " + std::to_string(i)},
+                    {"mesh", strip},
+                    {"translation", {exhibit.lane - 0.5f * kWidth, 0.004f, 0.3f - kPiece * static_cast<float>(i)}}});
+}
+
+void addLights(Writer& writer) {
+  // A rotation that turns -z to the way the sunlight goes: down, a little to the left and away.
+  writer.addLight({{"name", "sun"}, {"type", "directional"}, {"color", {1.0, 0.95, 0.86}}, {"intensity", 3.0}},
+                  {0, 6, 0}, {-0.5792f, -0.2290f, -0.1782f, 0.7616f});
+  for (int side : {-1, 1})
+    for (float z : {-0.6f, -3.7f, -6.8f, -14.0f, -23.0f})
+      writer.addLight({{"name", "lamp"},
+                       {"type", "point"},
+                       {"color", {1.0, 0.82, 0.62}},
+                       {"intensity", 4.0},
+                       {"range", 5.0}},
+                      {static_cast<float>(side) * 1.9f, 2.7f, z});
+}
+
+bool writeGallery(const std::filesystem::path& folder) {
+  Writer writer;
+  addHall(writer);
+  const int stone = writer.addMaterial("stone", {.35f, .35f, .37f}, .6f, false);
+  const int pedestal = writer.addMesh("pedestal", box({-.3f, 0, -.3f}, {.3f, .8f, .3f}), stone);
+  for (const Exhibit& exhibit : kExhibit) addExhibit(writer, exhibit, pedestal);
+  addLights(writer);
+  const int camera = writer.addCamera({{"name", "entrance"},
+                                       {"type", "perspective"},
+                                       {"perspective", {{"yfov", 0.9}, {"znear", 0.02}, {"zfar", 100}}}});
+  writer.addNode({{"name", "entrance"}, {"camera", camera}, {"translation", {0, 1.6, 1.7}},
+                  {"rotation", {-0.0998, 0, 0, 0.995}}});
+  return writer.write(folder);
+}
+
+}  // namespace
+}  // namespace gallery
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fprintf(stderr, "usage: make_gallery FOLDER\n"), 1;
+  std::error_code error;
+  std::filesystem::create_directories(argv[1], error);
+  if (gallery::writeGallery(argv[1])) return 0;
+  return std::fprintf(stderr, "make_gallery: cannot write to %s\n", argv[1]), 2;
+}

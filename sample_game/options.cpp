@@ -1,0 +1,107 @@
+#include "sample_game/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+namespace loden::walk {
+namespace {
+
+const std::map<std::string, Mode> kModes{{"full", Mode::kFull},
+                                         {"fallback", Mode::kFallback},
+                                         {"normal-map", Mode::kNormalMap},
+                                         {"paper", Mode::kPaper},
+                                         {"no-lod", Mode::kNoLod}};
+const std::map<std::string, SurfaceKind> kSurfaces{
+    {"plane", SurfaceKind::kPlane}, {"cylinder", SurfaceKind::kCylinder}, {"sphere", SurfaceKind::kSphere}};
+
+constexpr int kMaxSide = 16384;
+
+// "WxH"; an empty string if it is one, else what is wrong.
+std::string parseSize(const std::string& text, glm::ivec2& size) {
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.x, &size.y, &rest) != 2) return "must be WIDTHxHEIGHT";
+  const bool fits = size.x >= 1 && size.y >= 1 && size.x <= kMaxSide && size.y <= kMaxSide;
+  return fits ? "" : "must be 1 .. " + std::to_string(kMaxSide);
+}
+
+// "T,P" in degrees.
+std::string parseLight(const std::string& text, glm::dvec2& light) {
+  char rest = 0;
+  const bool two = std::sscanf(text.c_str(), "%lf,%lf%c", &light.x, &light.y, &rest) == 2;
+  return two && std::isfinite(light.x + light.y) ? "" : "must be THETA,PHI in degrees";
+}
+
+void addInput(CLI::App& app, Options& options, std::string& light) {
+  app.add_option("scene", options.scene, "Scene to walk through (.gltf, .glb)");
+  auto* asset = app.add_option("--asset", options.asset, "Asset to show on a surface instead (.loden)");
+  app.add_option("--surface", options.surface, "plane, cylinder or sphere")
+      ->transform(CLI::CheckedTransformer(kSurfaces))
+      ->needs(asset);
+  app.add_option("--light", light, "Direction of the light on the surface: THETA,PHI in degrees")
+      ->needs(asset)
+      ->check([&](const std::string& text) { return parseLight(text, options.light); });
+  app.add_option("--camera", options.camera, "Camera (JSON: position, target, up, fov_degrees)");
+  app.add_option("--script", options.script, "Camera path (JSON: keyframes of t, position, target)");
+}
+
+void addOutput(CLI::App& app, Options& options, std::string& size) {
+  app.add_flag("--headless", options.headless, "No window");
+  app.add_option("--size", size, "Picture size, WxH")->check([&](const std::string& text) {
+    return parseSize(text, options.size);
+  });
+  app.add_option("--frames", options.frames, "Number of frames; the path is spread over them")->check(CLI::Range(1, 1000000));
+  app.add_option("--capture", options.capture, "Folder for one PNG per frame");
+  app.add_option("--contact-sheet", options.contact_sheet, "One PNG with frames from the whole walk");
+  app.add_option("--report", options.report, "Times, bytes and counts per frame (JSON)");
+  app.add_flag("-q,--quiet", options.quiet, "No progress");
+}
+
+void addRuntime(CLI::App& app, Options& options) {
+  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--upload-kb", options.upload_kb, "Upload per frame")->check(CLI::Range(0.0, 1e9));
+  app.add_option("--mode", options.mode, "full, fallback, normal-map, paper or no-lod")
+      ->transform(CLI::CheckedTransformer(kModes));
+  app.add_option("--lambda", options.lambda, "Level of detail everywhere, instead of the footprint's")
+      ->check(CLI::Range(0.0, 32.0));
+  app.add_flag("--stream", options.stream, "Headless: draw what is resident instead of waiting for all of it");
+  app.add_option("--shader-cache", options.shader_cache, "Folder for compiled programs");
+}
+
+// What CLI11 cannot express; empty if all is well.
+std::string contradiction(const Options& options) {
+  if (options.scene.empty() == options.asset.empty()) return "name either a scene or --asset";
+  if (!options.camera.empty() && !options.script.empty()) return "--camera and --script exclude each other";
+  return {};
+}
+
+}  // namespace
+
+const char* modeName(Mode mode) {
+  for (const auto& [name, value] : kModes)
+    if (value == mode) return name.c_str();
+  return "";
+}
+
+ParsedOptions parseOptions(int argc, char** argv) {
+  ParsedOptions parsed;
+  std::string size, light;
+  CLI::App app("loden_walk: walks through a glTF scene with Loden materials", "loden_walk");
+  addInput(app, parsed.options, light);
+  addOutput(app, parsed.options, size);
+  addRuntime(app, parsed.options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    parsed.exit_code = app.exit(error) == 0 ? 0 : 1;
+    return parsed;
+  }
+  if (const std::string wrong = contradiction(parsed.options); !wrong.empty()) {
+    std::fprintf(stderr, "loden_walk: %s; see --help\n", wrong.c_str());
+    parsed.exit_code = 1;
+  }
+  return parsed;
+}
+
+}  // namespace loden::walk

@@ -1,0 +1,47 @@
+// The command line of loden_walk.
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+#include "material/analytic_surface.h"
+
+namespace loden::walk {
+
+enum class Mode {
+  kFull,      // everything
+  kFallback,  // glTF's own materials
+  kNormalMap, // surface assets without their VDIM: a normal and a diffuse map
+  kPaper,     // the published VDIM lookup, where the asset stores one
+  kNoLod,     // always lambda 0
+};
+
+struct Options {
+  std::filesystem::path scene;  // either this ...
+  std::filesystem::path asset;  // ... or this, on a surface
+  SurfaceKind surface = SurfaceKind::kPlane;
+  std::filesystem::path camera;   // empty: the scene's own, or the default of material/analytic_surface.h
+  glm::dvec2 light{30, 0};        // degrees theta, phi from +z; of the surface
+  bool headless = false;
+  glm::ivec2 size{800, 600};
+  std::filesystem::path script;
+  int frames = 0;                 // 0: as long as the window is open, one when headless
+  std::filesystem::path capture, report, contact_sheet, shader_cache;  // empty: none
+  double budget_mb = 64, upload_kb = 1024;
+  Mode mode = Mode::kFull;
+  std::optional<float> lambda;
+  bool stream = false;            // headless: do not wait for the loading thread
+  bool quiet = false;
+};
+const char* modeName(Mode mode);
+
+struct ParsedOptions {
+  Options options;
+  std::optional<int> exit_code;  // set if there is nothing more to do: help was shown, or the usage is wrong
+};
+// Prints help to stdout, and what is wrong to stderr.
+ParsedOptions parseOptions(int argc, char** argv);
+
+}  // namespace loden::walk

@@ -1,0 +1,39 @@
+// What a walk leaves behind: captured frames, a contact sheet, a report.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+
+#include "material/result.h"
+#include "sample_game/contact_sheet.h"
+#include "sample_game/options.h"
+#include "sample_game/report.h"
+
+namespace loden::walk {
+
+class Recorder {
+ public:
+  // `frames`: how many there will be; 0 if nobody knows.
+  Recorder(const Options& options, int frames);
+
+  // Makes the capture folder.
+  Status begin();
+  bool wantsPixels(int frame) const;
+  // sRGB codes, first row at the top.
+  Status addPixels(int frame, std::span<const glm::u8vec4> pixels);
+  void addFrame(FrameRecord record) { report_.frames.push_back(std::move(record)); }
+  Report& report() { return report_; }
+  // Writes the sheet and the report.
+  Status finish();
+
+ private:
+  bool onSheet(int frame) const;
+
+  const Options& options_;
+  int frames_;
+  std::optional<ContactSheet> sheet_;
+  Report report_;
+};
+
+}  // namespace loden::walk

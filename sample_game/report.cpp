@@ -1,0 +1,88 @@
+#include "sample_game/report.h"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "material/issues.h"
+
+namespace loden::walk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json glJson(const runtime::Capabilities& gl) {
+  return {{"vendor", gl.vendor}, {"renderer", gl.renderer}, {"version", gl.version}, {"glsl", gl.glsl_version},
+          {"software", gl.software}};
+}
+
+Json optionsJson(const Options& options) {
+  Json json{{"size", {options.size.x, options.size.y}}, {"budget_mb", options.budget_mb},
+            {"upload_kb", options.upload_kb},           {"mode", modeName(options.mode)},
+            {"headless", options.headless},             {"stream", options.stream}};
+  if (options.lambda) json["lambda"] = *options.lambda;
+  return json;
+}
+
+Json frameJson(const FrameRecord& frame, size_t index) {
+  Json demands = Json::array();
+  for (const runtime::MaterialDemand& demand : frame.stats.demands)
+    demands.push_back({{"material", demand.name}, {"lambda", demand.lambda}, {"resident_lambda", demand.resident}});
+  return {{"frame", index},
+          {"t", frame.t},
+          {"ms", frame.ms},
+          {"wait_ms", frame.wait_ms},
+          {"objects", frame.stats.objects},
+          {"visible_objects", frame.stats.visible_objects},
+          {"visible_materials", frame.stats.demands.size()},
+          {"draw_calls", frame.stats.draw_calls},
+          {"depth_draw_calls", frame.stats.depth_draw_calls},
+          {"program_changes", frame.stats.program_changes},
+          {"triangles", frame.stats.triangles},
+          {"resident_bytes", frame.materials.resident_bytes},
+          {"uploaded_bytes", frame.materials.uploaded_last_frame},
+          {"read_bytes", frame.materials.read_bytes},
+          {"evicted_parts", frame.materials.evicted_parts},
+          {"materials", std::move(demands)}};
+}
+
+// The value below which `share` of all lie.
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
+}
+
+Json summaryJson(const Report& report) {
+  std::vector<double> ms;
+  for (const FrameRecord& frame : report.frames) ms.push_back(frame.ms);
+  runtime::MaterialStats last;
+  if (!report.frames.empty()) last = report.frames.back().materials;
+  return {{"frames", report.frames.size()},
+          {"start_ms", report.start_ms},
+          {"ms_median", percentile(ms, 0.5)},
+          {"ms_p99", percentile(ms, 0.99)},
+          {"materials", last.materials},
+          {"peak_bytes", last.peak_bytes},
+          {"total_bytes", last.total_bytes},
+          {"read_bytes", last.read_bytes},
+          {"failed_parts", last.failed_parts},
+          {"programs_compiled", report.shaders.compiled},
+          {"programs_from_cache", report.shaders.from_cache},
+          {"program_seconds", report.shaders.seconds}};
+}
+
+}  // namespace
+
+Status writeReport(const std::filesystem::path& path, const Report& report, const Options& options) {
+  Json json{{"schema", "loden/walk/1"}, {"command", report.command}, {"gl", glJson(report.gl)},
+            {"options", optionsJson(options)}, {"summary", summaryJson(report)}, {"frames", Json::array()}};
+  for (size_t i = 0; i < report.frames.size(); ++i) json["frames"].push_back(frameJson(report.frames[i], i));
+  std::ofstream out(path, std::ios::binary);
+  out << json.dump(1) << '\n';
+  out.close();
+  if (!out) return Issue{issue_id::kCannotWrite, Severity::kError, path.string(), "could not be written"};
+  return {};
+}
+
+}  // namespace loden::walk

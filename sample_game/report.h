@@ -1,0 +1,36 @@
+// What `loden_walk --report` writes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "material/result.h"
+#include "runtime/device.h"
+#include "runtime/frame.h"
+#include "runtime/material_system.h"
+#include "runtime/shader_library.h"
+#include "sample_game/options.h"
+
+namespace loden::walk {
+
+struct FrameRecord {
+  double t = 0;         // seconds on the camera path
+  double ms = 0;        // from prepare to the end of GPU work
+  double wait_ms = 0;   // spent waiting for the loading thread, not part of `ms`
+  runtime::FrameStats stats;
+  runtime::MaterialStats materials;
+};
+
+struct Report {
+  std::string command;
+  runtime::Capabilities gl;
+  double start_ms = 0;  // from the start of the process to the first frame
+  std::vector<FrameRecord> frames;
+  runtime::ShaderStats shaders;
+};
+
+// JSON, schema loden/walk/1. kCannotWrite.
+Status writeReport(const std::filesystem::path& path, const Report& report, const Options& options);
+
+}  // namespace loden::walk

@@ -1,0 +1,123 @@
+#include "sample_game/walk.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+#include "material/issues.h"
+#include "runtime/gl_target.h"
+#include "sample_game/player.h"
+#include "sample_game/recorder.h"
+#include "sample_game/world.h"
+
+namespace loden::walk {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace runtime;
+
+constexpr int kExitInterrupted = 130;
+volatile std::sig_atomic_t interrupted = 0;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+int exitCodeOf(const Issue& issue) {
+  if (issue.id == issue_id::kOption) return 1;
+  if (issue.id < 2000) return 2;
+  if (issue.id >= 7000) return 4;
+  const bool unsupported = issue.id == issue_id::kGltfRequired || issue.id == issue_id::kVersion ||
+                           issue.id == issue_id::kUnknownCritical;
+  return unsupported ? 5 : 3;
+}
+
+int fail(const Issue& issue) {
+  std::fprintf(stderr, "loden_walk: %s: %s (%d)\n", issue.where.c_str(), issue.text.c_str(), issue.id);
+  return exitCodeOf(issue);
+}
+
+// One line on a terminal, rewritten in place.
+void showProgress(const Options& options, int frame, int frames) {
+  if (options.quiet || !isatty(STDERR_FILENO)) return;
+  std::fprintf(stderr, "\rframe %d of %d%s", frame + 1, frames, frame + 1 == frames ? "\n" : "");
+}
+
+// Streams and draws one frame; times are wall-clock with the GPU drained on both sides.
+Result<FrameRecord> drawFrame(World& world, const Camera& camera, const FrameTarget& target, bool wait, float seconds) {
+  FrameRecord record;
+  const auto start = Clock::now();
+  world.renderer->prepare(makeView(camera, target.size), world.settings);
+  const auto before_wait = Clock::now();
+  if (wait) world.materials->finishLoading();
+  record.wait_ms = wait ? millisecondsSince(before_wait) : 0;
+  if (!wait) world.materials->update(seconds);
+  if (Status status = world.renderer->draw(target); !status) return status.issue();
+  world.renderer->finish();
+  record.ms = millisecondsSince(start) - record.wait_ms;
+  record.stats = world.renderer->stats();
+  record.materials = world.materials->stats();
+  return record;
+}
+
+int walkHeadless(const Options& options, World& world, Clock::time_point start) {
+  const int frames = std::max(options.frames, 1);
+  constexpr float kFrameSeconds = 1.0f / 30;
+  Recorder recorder(options, frames);
+  if (Status status = recorder.begin(); !status) return fail(status.issue());
+  const RenderTarget target = makeRenderTarget(options.size, ColorFormat::kSrgb8, "walk");
+  recorder.report().gl = world.device->capabilities();
+  recorder.report().start_ms = millisecondsSince(start);
+  for (int i = 0; i < frames && !interrupted; ++i) {
+    const double t = frames > 1 ? world.path.duration() * i / (frames - 1) : 0;
+    auto record = drawFrame(world, world.path.at(t), {target.framebuffer.name(), options.size}, !options.stream, kFrameSeconds);
+    if (!record) return fail(record.issue());
+    record->t = t;
+    recorder.addFrame(*std::move(record));
+    if (recorder.wantsPixels(i))
+      if (Status status = recorder.addPixels(i, readCodes(target)); !status) return fail(status.issue());
+    showProgress(options, i, frames);
+  }
+  if (interrupted) return kExitInterrupted;
+  recorder.report().shaders = world.shaders->stats();
+  if (Status status = recorder.finish(); !status) return fail(status.issue());
+  return 0;
+}
+
+int walkInWindow(const Options& options, World& world, Clock::time_point start) {
+  Recorder recorder(options, options.frames);
+  if (Status status = recorder.begin(); !status) return fail(status.issue());
+  Player player(*world.device, world.path);
+  recorder.report().gl = world.device->capabilities();
+  recorder.report().start_ms = millisecondsSince(start);
+  for (int i = 0; !world.device->closeRequested() && !player.wantsToLeave() && !interrupted; ++i) {
+    if (options.frames > 0 && i == options.frames) break;
+    world.device->pollEvents();
+    const float seconds = player.beginFrame();
+    if (world.device->size().x < 1 || world.device->size().y < 1) continue;  // minimised
+    auto record = drawFrame(world, player.camera(), {0, world.device->size()}, false, seconds);
+    if (!record) return fail(record.issue());
+    player.drawOverlay(record->ms, record->stats, record->materials, world.settings);
+    world.device->swap();
+    recorder.addFrame(*std::move(record));
+  }
+  if (interrupted) return kExitInterrupted;
+  recorder.report().shaders = world.shaders->stats();
+  if (Status status = recorder.finish(); !status) return fail(status.issue());
+  return 0;
+}
+
+}  // namespace
+
+int runWalk(const Options& options) {
+  const auto start = Clock::now();
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  Result<World> world = makeWorld(options);
+  if (!world) return fail(world.issue());
+  return options.headless ? walkHeadless(options, *world, start) : walkInWindow(options, *world, start);
+}
+
+}  // namespace loden::walk

@@ -1,0 +1,108 @@
+#include "sample_game/world.h"
+
+#include <cstdio>
+
+#include "material/directions.h"
+#include "material/issues.h"
+#include "runtime/gltf_scene.h"
+#include "runtime/mesh_analytic.h"
+#include "sample_game/camera_file.h"
+
+namespace loden::walk {
+namespace {
+
+using namespace runtime;
+
+void printIssue(const Issue& issue) {
+  if (issue.severity == Severity::kNote) return;
+  std::fprintf(stderr, "loden_walk: %s: %s (%d)\n", issue.where.c_str(), issue.text.c_str(), issue.id);
+}
+
+// Scenes have y up, surfaces z up.
+glm::dvec3 upOf(const Options& options) { return options.asset.empty() ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1); }
+
+Result<Scene> makeScene(const Options& options) {
+  if (options.asset.empty()) return loadGltfScene(options.scene);
+  const Spherical direction{options.light.x * kPi / 180, options.light.y * kPi / 180};
+  return analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)));
+}
+
+// In front of everything, looking at its middle.
+Camera overview(const Scene& scene) {
+  Bounds all;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const Bounds box = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
+    all = i == 0 ? box : Bounds{glm::min(all.min, box.min), glm::max(all.max, box.max)};
+  }
+  Camera camera;
+  camera.up = {0, 1, 0};
+  camera.target = glm::dvec3(all.centre());
+  camera.position = camera.target + glm::dvec3(0.35, 0.3, 1) * std::max(2.2 * double(all.radius()), 0.1);
+  return camera;
+}
+
+CameraPath standingAt(const Camera& camera) { return CameraPath({{0, camera.position, camera.target}}, camera); }
+
+Result<CameraPath> makePath(const Options& options, const Scene& scene) {
+  if (!options.script.empty()) return readCameraPath(options.script, upOf(options));
+  if (options.camera.empty() && !options.asset.empty()) return standingAt(Camera{});
+  if (options.camera.empty())
+    return standingAt(scene.cameras.empty() ? overview(scene) : cameraFromScene(scene.cameras[0]));
+  const Result<Camera> camera = readCamera(options.camera, upOf(options));
+  if (!camera) return camera.issue();
+  return standingAt(*camera);
+}
+
+DeviceOptions deviceOptions(const Options& options) {
+  DeviceOptions device;
+  device.kind = options.headless ? DeviceKind::kHeadless : DeviceKind::kWindow;
+  device.size = options.size;
+  device.title = "loden_walk";
+  device.log = printIssue;
+  return device;
+}
+
+MaterialSystemOptions materialOptions(const Options& options) {
+  MaterialSystemOptions materials;
+  materials.budget_bytes = static_cast<uint64_t>(options.budget_mb * (1 << 20));
+  materials.upload_bytes_per_frame = static_cast<uint64_t>(options.upload_kb * (1 << 10));
+  if (options.mode == Mode::kPaper) materials.lookup = Lookup::kPaper;
+  if (options.mode == Mode::kNormalMap) materials.lookup = Lookup::kNone;
+  return materials;
+}
+
+// On a surface: what `loden trace` draws, nothing else. In a scene: a picture.
+FrameSettings frameSettings(const Options& options) {
+  FrameSettings settings;
+  settings.lambda = options.lambda;
+  if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;
+  settings.base_materials_only = options.mode == Mode::kFallback;
+  if (options.asset.empty()) return settings;
+  settings.shadows = false;
+  settings.tone = ToneCurve::kClip;
+  settings.sky_ambient = settings.ground_ambient = settings.background = glm::vec3(0);
+  return settings;
+}
+
+}  // namespace
+
+Result<World> makeWorld(const Options& options) {
+  const Result<Scene> scene = makeScene(options);
+  if (!scene) return scene.issue();
+  for (const Issue& note : scene->notes) printIssue(note);
+  Result<CameraPath> path = makePath(options, *scene);
+  if (!path) return path.issue();
+
+  auto device = Device::create(deviceOptions(options));
+  if (!device) return device.issue();
+  auto shaders = std::make_unique<ShaderLibrary>(**device, ShaderLibraryOptions{options.shader_cache});
+  auto materials = MaterialSystem::create(**device, materialOptions(options));
+  if (!materials) return materials.issue();
+  auto renderer = FrameRenderer::create(**device, *shaders, **materials, *scene);
+  if (!renderer) return renderer.issue();
+  return World{std::move(device).value(), std::move(shaders), std::move(materials).value(), std::move(renderer).value(),
+               frameSettings(options),    std::move(path.value())};
+}
+
+}  // namespace loden::walk

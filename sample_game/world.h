@@ -1,0 +1,26 @@
+// Everything that a walk draws with, set up in the order in which the parts need each other.
+#pragma once
+
+#include <memory>
+
+#include "material/result.h"
+#include "runtime/camera.h"
+#include "runtime/device.h"
+#include "runtime/frame.h"
+#include "runtime/material_system.h"
+#include "runtime/shader_library.h"
+#include "sample_game/options.h"
+
+namespace loden::walk {
+
+struct World {
+  std::unique_ptr<runtime::Device> device;
+  std::unique_ptr<runtime::ShaderLibrary> shaders;
+  std::unique_ptr<runtime::MaterialSystem> materials;
+  std::unique_ptr<runtime::FrameRenderer> renderer;
+  runtime::FrameSettings settings;
+  runtime::CameraPath path;  // of one key where no script is given
+};
+Result<World> makeWorld(const Options& options);
+
+}  // namespace loden::walk

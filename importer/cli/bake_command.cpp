@@ -1,0 +1,120 @@
+// loden bake TILE -o DIR
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "importer/bake.h"
+#include "importer/cli/output.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+Issue optionIssue(const std::string& option, const std::string& text) {
+  return {issue_id::kOption, Severity::kError, option, text};
+}
+
+// "latlong:16x16" -> (16, 16).
+Result<glm::ivec2> parseVdim(const std::string& text) {
+  if (text.starts_with("concentric:"))
+    return Issue{issue_id::kVersion, Severity::kError, "--vdim " + text,
+                 "is not stored: the runtime builds the concentric atlas from the geometry image at load"};
+  if (!text.starts_with("latlong:")) return optionIssue("--vdim", "'" + text + "' is not latlong:ZxA");
+  auto extent = parseExtent("--vdim", text.substr(8));
+  if (extent && (extent->x < 2 || extent->y < 2))
+    return optionIssue("--vdim", "'" + text + "' needs at least 2 zeniths and 2 azimuths");
+  return extent;
+}
+
+Result<BakeMaps> parseMaps(const std::vector<std::string>& names) {
+  BakeMaps maps{false, false, false, false};
+  for (const std::string& name : names) {
+    if (name == "btf") maps.btf = true;
+    else if (name == "flat") maps.flat = true;
+    else if (name == "vdim") maps.vdim = true;
+    else if (name == "surface") maps.surface = true;
+    else return optionIssue("--maps", "'" + name + "' is none of btf, flat, vdim, surface");
+  }
+  return maps;
+}
+
+class BakeCommand : public Command {
+ public:
+  std::string_view name() const override { return "bake"; }
+  std::string_view summary() const override { return "Bake a tile: BTF, Flat-BTF, VDIM and surface maps into a folder"; }
+
+  void declare(Options& options) override {
+    options.text("tile", tile_, "builtin:button|isba|pulli|sponge, or a .gltf, .glb or .obj file of one period with UVs", true);
+    options.path("-o,--output", output_, "Folder to fill", true);
+    options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
+    options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
+    options.text("--directions", directions_, "Sampled lights and views: bonn81, ubo151 or NxN (concentric)");
+    options.texts("--vdim", vdims_, "Indirection maps, latlong:ZxA, with commas between");
+    options.integer("--supersample", bake_.supersample, "Samples per texel side", 1, 16);
+    options.integer("--bounces", bake_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
+    options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
+    options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
+    options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
+    options.text("--shard", shard_, "I/N: do every N-th view, from I = 0; N runs fill one folder");
+    options.footer("Example: loden bake builtin:pulli -o out/pulli --size 64");
+  }
+
+  int run(const GlobalOptions& globals) override {
+    if (const Status status = parse(); !status) return fail(status.issue());
+    bake_.threads = globals.threads;
+    bake_.quiet = globals.quiet;
+    const auto tile = loadTile(tile_, {subdivide_});
+    if (!tile) return fail(tile.issue());
+    const auto report = bake(*tile, tile_, output_, bake_);
+    if (!report) return fail(report.issue());
+    print(globals, *tile, *report);
+    return kExitOk;
+  }
+
+ private:
+  Status parse() {
+    const auto directions = directionsByName(directions_);
+    if (!directions || directions->size() < 1 || directions->size() > 4096)
+      return optionIssue("--directions", "'" + directions_ + "' is none of bonn81, ubo151, NxN");
+    bake_.directions = *directions;
+    bake_.vdims.clear();
+    for (const std::string& text : vdims_) {
+      const auto vdim = parseVdim(text);
+      if (!vdim) return vdim.issue();
+      bake_.vdims.push_back(*vdim);
+    }
+    const auto maps = parseMaps(maps_);
+    if (!maps) return maps.issue();
+    bake_.maps = *maps;
+    int used = 0;
+    if (std::sscanf(shard_.c_str(), "%d/%d%n", &bake_.shard, &bake_.shards, &used) != 2 ||
+        used != static_cast<int>(shard_.size()) || bake_.shards < 1 || bake_.shard < 0 || bake_.shard >= bake_.shards)
+      return optionIssue("--shard", "'" + shard_ + "' is not I/N with 0 <= I < N");
+    return {};
+  }
+
+  void print(const GlobalOptions& globals, const Tile& tile, const BakeReport& report) const {
+    const bool complete = std::filesystem::exists(output_ / "bake.json");
+    if (globals.json) {
+      printJson("bake", {{"tile", tile_}, {"folder", output_.string()}, {"complete", complete},
+                         {"triangles", tile.triangles.size()}, {"rays", report.rays}, {"misses", report.misses},
+                         {"seconds", report.seconds}});
+      return;
+    }
+    printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),
+                        withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(), report.seconds) +
+              (complete ? "\n" : "; other shards are still to come\n"));
+  }
+
+  std::string tile_, directions_ = "bonn81", shard_ = "0/1";
+  std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
+  std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
+  std::filesystem::path output_;
+  int subdivide_ = 0;
+  BakeOptions bake_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> makeBakeCommand() { return std::make_unique<BakeCommand>(); }
+
+}  // namespace loden::importer

@@ -1,0 +1,107 @@
+// loden cook INPUT -o X.loden
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "importer/cli/interrupt.h"
+#include "importer/cli/output.h"
+#include "importer/cook.h"
+#include "material/asset.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+// All raw data that the file will hold, before zstd.
+uint64_t rawBytes(const Material& material) {
+  uint64_t bytes = material.geometry.texels.data.size();
+  for (const Band& band : material.bands) bytes += band.bytes();
+  if (material.stored_vdim) bytes += material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
+  if (material.surface)
+    bytes += material.surface->normal.data.size() + material.surface->diffuse.data.size() +
+             material.surface->specular.data.size();
+  return bytes;
+}
+
+class CookCommand : public Command {
+ public:
+  std::string_view name() const override { return "cook"; }
+  std::string_view summary() const override { return "Fit a baked or measured BTF and write the asset that the runtime draws"; }
+
+  void declare(Options& options) override {
+    options.path("input", input_, "Baked output, Bonn image folder, or UBO2014 .btf file", true);
+    options.path("-o,--output", output_, "Asset to write, .loden", true);
+    options.choice("--mode", mode_, {"fused", "lod", "surface"},
+                   "fused: fine bands on the tile, coarse ones on the plane; lod: Ma et al. 2005; surface: normal and diffuse map");
+    options.choice("--preset", preset_, {"seed", "game", "reference"},
+                   "seed: as published; game: 8 bit, small; reference: as exact as it gets");
+    options.text("--components", components_, "Y,CB,CR components; default: the preset's");
+    options.integer("--levels", cook_.levels, "Levels of detail; 0: the preset's", 0, 16);
+    options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
+    options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
+    options.footer("Example: loden cook out/pulli -o pulli.loden --max-bytes 600k");
+  }
+
+  int run(const GlobalOptions& globals) override {
+    if (const Status status = parse(); !status) return fail(status.issue());
+    cook_.threads = globals.threads;
+    cook_.quiet = globals.quiet;
+    const auto start = std::chrono::steady_clock::now();
+    const auto input = BakedOutput::open(input_);
+    if (!input) return fail(input.issue());
+    auto material = cook(*input, cook_);
+    if (!material) return fail(material.issue());
+    if (material->name.empty()) material->name = output_.stem().string();
+    const Status written = [&] {
+      const CommitScope commit;
+      return writeAsset(*material, output_);
+    }();
+    if (!written) return fail(written.issue());
+    print(globals, *material, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    return kExitOk;
+  }
+
+ private:
+  Status parse() {
+    cook_.mode = mode_ == "lod" ? Mode::kLod : mode_ == "surface" ? Mode::kSurface : Mode::kFused;
+    cook_.preset = preset_ == "seed" ? Preset::kSeed : preset_ == "reference" ? Preset::kReference : Preset::kGame;
+    if (output_.extension() != ".loden")
+      return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
+    if (cook_.target_rmse < 0)
+      return Issue{issue_id::kOption, Severity::kError, "--target-rmse", "must not be negative"};
+    if (components_.empty()) return {};
+    const auto numbers = parseNumbers("--components", components_, 3);
+    if (!numbers) return numbers.issue();
+    for (const double number : *numbers)
+      if (number < 0 || number > 256 || number != static_cast<int>(number))
+        return Issue{issue_id::kOption, Severity::kError, "--components", "'" + components_ + "' is not three numbers from 0 to 256"};
+    cook_.y_components = static_cast<int>((*numbers)[0]);
+    cook_.cb_components = static_cast<int>((*numbers)[1]);
+    cook_.cr_components = static_cast<int>((*numbers)[2]);
+    return {};
+  }
+
+  void print(const GlobalOptions& globals, const Material& material, double seconds) const {
+    const uint64_t file_bytes = std::filesystem::file_size(output_), raw_bytes = rawBytes(material);
+    if (globals.json) {
+      const auto meta = nlohmann::ordered_json::parse(material.meta_json, nullptr, false);
+      printJson("cook", {{"input", input_.string()}, {"asset", output_.string()}, {"mode", modeName(material.mode)},
+                         {"preset", preset_}, {"bands", material.bands.size()}, {"raw_bytes", raw_bytes},
+                         {"file_bytes", file_bytes}, {"seconds", seconds},
+                         {"cook", meta.is_discarded() ? nlohmann::ordered_json() : meta}});
+      return;
+    }
+    printText(formatted("%s: %s, %zu bands, %s bytes raw, %s on disk, %.1f s\n", output_.c_str(), modeName(material.mode),
+                        material.bands.size(), withThousands(raw_bytes).c_str(), withThousands(file_bytes).c_str(), seconds));
+    if (globals.verbose) printText(material.meta_json + "\n");
+  }
+
+  std::filesystem::path input_, output_;
+  std::string mode_ = "fused", preset_ = "game", components_;
+  CookOptions cook_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> makeCookCommand() { return std::make_unique<CookCommand>(); }
+
+}  // namespace loden::importer

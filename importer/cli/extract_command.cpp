@@ -1,0 +1,182 @@
+// loden extract X -o slice.exr: one light-view slice, or a stored map.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "importer/btf_source.h"
+#include "importer/cli/input_kind.h"
+#include "importer/cli/interrupt.h"
+#include "importer/cli/output.h"
+#include "importer/picture.h"
+#include "material/asset.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 180.0 / kPi;
+
+// Row 0 of a slice is y = 0; pictures have their top row first, so y points up in them.
+Picture pictureFromSlice(const std::vector<glm::vec3>& slice, glm::ivec2 size) {
+  Picture picture{size.x, size.y, std::vector<glm::vec4>(slice.size())};
+  for (int y = 0; y < size.y; ++y)
+    for (int x = 0; x < size.x; ++x)
+      picture.at(x, size.y - 1 - y) = glm::vec4(slice[size_t(y) * size.x + x], 1);
+  return picture;
+}
+
+// Layers (or z) of mip 0 from the top down, each with its own row 0 at its top.
+Picture pictureFromTexture(const Texture& texture) {
+  Picture picture{texture.width, texture.height * texture.depth, {}};
+  picture.pixels.reserve(size_t(picture.width) * picture.height);
+  for (int z = 0; z < texture.depth; ++z)
+    for (int y = 0; y < texture.height; ++y)
+      for (int x = 0; x < texture.width; ++x) picture.pixels.push_back(fetchTexel(texture, 0, x, y, z));
+  return picture;
+}
+
+using NamedTextures = std::vector<std::pair<std::string, const Texture*>>;
+
+NamedTextures texturesOf(const Material& material) {
+  NamedTextures all;
+  for (size_t b = 0; b < material.bands.size(); ++b) {
+    all.emplace_back("band" + std::to_string(b) + ".weights", &material.bands[b].weights);
+    all.emplace_back("band" + std::to_string(b) + ".table", &material.bands[b].table);
+  }
+  if (!material.geometry.empty()) all.emplace_back("geometry", &material.geometry.texels);
+  if (material.stored_vdim) {
+    all.emplace_back("vdim.reference", &material.stored_vdim->reference);
+    all.emplace_back("vdim.packed", &material.stored_vdim->packed);
+  }
+  if (material.surface) {
+    all.emplace_back("normal", &material.surface->normal);
+    all.emplace_back("diffuse", &material.surface->diffuse);
+    all.emplace_back("specular", &material.surface->specular);
+  }
+  return all;
+}
+
+class ExtractCommand : public Command {
+ public:
+  std::string_view name() const override { return "extract"; }
+  std::string_view summary() const override { return "Write one light-view slice of a material, or a stored map, as a picture"; }
+
+  void declare(Options& options) override {
+    options.path("input", input_, "Asset (decoded slice) or baked output (true slice)", true);
+    options.text("--light", light_, "Light direction THETA,PHI in degrees");
+    options.text("--view", view_, "View direction THETA,PHI in degrees");
+    options.number("--lambda", lambda_, "Level of detail");
+    options.choice("--domain", domain_, {"reference", "flat"}, "reference: as seen, over x; flat: unwrapped, over p");
+    options.choice("--lookup", lookup_, {"default", "fast", "paper", "none"}, "How the asset finds p");
+    options.integer("--side", side_, "Texels per side; 0: the material's at lambda", 0, 8192);
+    options.text("--map", map_, "Write this stored map instead, for example normal or band0.weights");
+    options.path("-o,--output", output_, ".exr (linear), .hdr, .png or .jpg (sRGB)", true);
+    options.footer("Of a baked output, light and view are the nearest sampled ones; the report names them.");
+  }
+
+  int run(const GlobalOptions& globals) override {
+    const auto light = parseDirection("--light", light_), view = parseDirection("--view", view_);
+    if (!light) return fail(light.issue());
+    if (!view) return fail(view.issue());
+    if (!(lambda_ >= 0 && lambda_ <= 32)) return failUsage("--lambda: must be 0 to 32");
+    const auto picture = [&]() -> Result<Picture> {
+      switch (inputKind(input_)) {
+        case InputKind::kAsset: return map_.empty() ? assetSlice(*light, *view, globals) : assetMap();
+        case InputKind::kBakedOutput: return map_.empty() ? bakedSlice(*light, *view) : bakedMap();
+        case InputKind::kMissing: return Issue{issue_id::kCannotOpen, Severity::kError, input_.string(), "no such file or folder"};
+        default: return Issue{issue_id::kBakeManifest, Severity::kError, input_.string(), "is neither a .loden file nor a baked output (no bake.json)"};
+      }
+    }();
+    if (!picture) return fail(picture.issue());
+    const Status written = [&] {
+      const CommitScope commit;
+      return writePicture(*picture, output_);
+    }();
+    if (!written) return fail(written.issue());
+    report_["output"] = output_.string();
+    report_["width"] = picture->width;
+    report_["height"] = picture->height;
+    if (globals.json) printJson("extract", report_);
+    else printText(formatted("%s: %d x %d\n", output_.c_str(), picture->width, picture->height));
+    return kExitOk;
+  }
+
+ private:
+  void reportDirection(const char* key, const glm::dvec3& w) {
+    const Spherical s = sphericalFromDirection(w);
+    report_[key] = {s.theta * kDegrees, s.phi * kDegrees};
+  }
+
+  Result<Picture> assetSlice(const glm::dvec3& light, const glm::dvec3& view, const GlobalOptions& globals) {
+    const auto material = readAsset(input_);
+    if (!material) return material.issue();
+    const Evaluator evaluator(*material, {}, globals.threads);
+    const Lookup lookup = lookup_ == "fast" ? Lookup::kFast : lookup_ == "paper" ? Lookup::kPaper
+                          : lookup_ == "none" ? Lookup::kNone : Lookup::kDefault;
+    const int side = side_ > 0 ? side_ : std::max(1, material->side >> static_cast<int>(lambda_));
+    const MaterialSampling sampling{side, lambda_, lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
+    report_ = {{"input", input_.string()}, {"kind", "decoded"}, {"domain", domain_}, {"lambda", lambda_}};
+    reportDirection("light", light);
+    reportDirection("view", view);
+    return pictureFromSlice(materialSlice(evaluator, sampling, light, view), glm::ivec2(side));
+  }
+
+  Result<Picture> assetMap() {
+    const auto material = readAsset(input_);
+    if (!material) return material.issue();
+    std::string known;
+    for (const auto& [name, texture] : texturesOf(*material)) {
+      report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
+      if (name == map_) return pictureFromTexture(*texture);
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "this asset has no such map; it has " + known};
+  }
+
+  Result<Picture> bakedSlice(const glm::dvec3& light, const glm::dvec3& view) {
+    const auto baked = BakedOutput::open(input_);
+    if (!baked) return baked.issue();
+    if (lambda_ != 0) return Issue{issue_id::kOption, Severity::kError, "--lambda", "a baked output has level 0 only"};
+    const DirectionSet& directions = baked->manifest().directions;
+    const int l = nearestDirection(directions, light), v = nearestDirection(directions, view);
+    const bool flat = domain_ == "flat";
+    const auto images = flat ? baked->flatView(v) : baked->btfView(v);
+    if (!images) return images.issue();
+    const int side = flat ? baked->manifest().flat_size : baked->manifest().size;
+    const auto first = images->begin() + static_cast<ptrdiff_t>(l) * side * side;
+    report_ = {{"input", input_.string()}, {"kind", "true"}, {"domain", domain_}, {"lambda", 0}};
+    reportDirection("light", directions.samples[l]);
+    reportDirection("view", directions.samples[v]);
+    return pictureFromSlice({first, first + side * side}, glm::ivec2(side));
+  }
+
+  Result<Picture> bakedMap() {
+    const auto baked = BakedOutput::open(input_);
+    if (!baked) return baked.issue();
+    const auto surface = baked->surface();
+    if (!surface) return surface.issue();
+    const glm::ivec2 size(baked->manifest().flat_size);
+    report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
+    if (map_ == "normal") return pictureFromSlice(surface->normal, size);
+    if (map_ == "diffuse") return pictureFromSlice(surface->diffuse, size);
+    if (map_ == "specular") {
+      std::vector<glm::vec3> values;
+      for (const glm::vec2& s : surface->specular) values.emplace_back(s, 0);
+      return pictureFromSlice(values, size);
+    }
+    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "a baked output has normal, diffuse and specular"};
+  }
+
+  std::filesystem::path input_, output_;
+  std::string light_ = "30,0", view_ = "0,0", domain_ = "reference", lookup_ = "default", map_;
+  double lambda_ = 0;
+  int side_ = 0;
+  Json report_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> makeExtractCommand() { return std::make_unique<ExtractCommand>(); }
+
+}  // namespace loden::importer

@@ -1,0 +1,200 @@
+// loden info X.loden
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "importer/cli/output.h"
+#include "material/asset.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A map or a band as a line of the report.
+struct Part {
+  std::string name, format, extent;
+  uint64_t raw_bytes = 0, stored_bytes = 0, gpu_bytes = 0;
+  double lambda_first = 0;  // levels from here on need it; bands of lower lambda come later in the file
+};
+
+uint64_t bytesOf(const Texture& t) { return textureBytes(t.format, t.width, t.height, t.depth, t.mips); }
+
+std::string extentOf(const Texture& t) {
+  return formatted("%dx%dx%d", t.width, t.height, t.depth) + (t.mips > 1 ? formatted(" %d mips", t.mips) : "");
+}
+
+Part partOf(const std::string& name, const Texture& texture, uint64_t stored_bytes, double lambda_first = 0) {
+  const uint64_t bytes = bytesOf(texture);
+  return {name, texelFormatName(texture.format), extentOf(texture), bytes, stored_bytes, bytes, lambda_first};
+}
+
+// The atlas is no part of the file: the runtime builds it.
+Part atlasPart(const GeometryImage& geometry) {
+  const VdimAtlasSize size;
+  const uint64_t depth = uint64_t(size.texels) * size.texels * size.directions * size.directions;
+  const uint64_t volume = geometry.identity_parameterization ? 0 : 32 * 32 * 8 * 4;
+  return {"vdim atlas", "R8_UNORM", formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions), 0, 0,
+          depth + volume, 0};
+}
+
+std::vector<Part> partsOf(const AssetFile& file) {
+  const Material& material = file.skeleton();
+  std::vector<Part> parts;
+  if (material.geometry.texels.width > 0) {
+    parts.push_back(partOf("geometry", material.geometry.texels, file.geometryStoredBytes()));
+    parts.push_back(atlasPart(material.geometry));
+  }
+  for (size_t b = material.bands.size(); b-- > 0;) {
+    const Band& band = material.bands[b];
+    const std::string name = "band " + std::to_string(b);
+    const double lambda = band.lambda_first;
+    parts.push_back(partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
+    parts.push_back(partOf(name + " table", band.table, 0, lambda));
+  }
+  if (material.stored_vdim) {
+    parts.push_back(partOf("vdim reference", material.stored_vdim->reference, file.storedVdimStoredBytes()));
+    parts.push_back(partOf("vdim packed", material.stored_vdim->packed, 0));
+  }
+  if (material.surface) {
+    parts.push_back(partOf("surface normal", material.surface->normal, file.surfaceStoredBytes()));
+    parts.push_back(partOf("surface diffuse", material.surface->diffuse, 0));
+    parts.push_back(partOf("surface specular", material.surface->specular, 0));
+  }
+  return parts;
+}
+
+Json bandJson(const Band& band, size_t index) {
+  const Window& w = band.window;
+  return {{"band", index}, {"domain", band.domain == Domain::kFlat ? "flat" : "reference"},
+          {"layout", band.layout == TableLayout::kGrid ? "grid" : "nearest"},
+          {"filter", band.filter == WeightFilter::kLinear ? "linear" : "nearest"},
+          {"window", {w.in_begin, w.in_end, w.out_begin, w.out_end}}, {"lambda_first", band.lambda_first},
+          {"y_components", band.y_quads * 4}, {"chroma_quads", band.chroma_quads}, {"ratio", band.ratio}};
+}
+
+// A level L needs every band whose window is open at some lambda >= L: what a file cut there still gives.
+struct LevelBytes {
+  int level = 0;
+  uint64_t raw = 0, gpu = 0;
+};
+
+std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vector<Part>& parts) {
+  uint64_t shared_raw = 0, shared_gpu = 0;
+  for (const Part& part : parts)
+    if (!part.name.starts_with("band")) shared_raw += part.raw_bytes, shared_gpu += part.gpu_bytes;
+  std::vector<LevelBytes> levels;
+  for (int level = static_cast<int>(material.lambda_max); level >= 0; --level) {
+    LevelBytes bytes{level, shared_raw, shared_gpu};
+    for (const Band& band : material.bands) {
+      if (band.window.out_end <= static_cast<float>(level)) continue;
+      // Mips above the level need not be there.
+      const int skipped = std::clamp(level - static_cast<int>(band.lambda_first), 0, band.weights.mips - 1);
+      const Texture& w = band.weights;
+      const uint64_t weights = bytesOf(w) - textureBytes(w.format, w.width, w.height, w.depth, skipped);
+      bytes.raw += weights + bytesOf(band.table);
+      bytes.gpu += weights + bytesOf(band.table);
+    }
+    levels.push_back(bytes);
+  }
+  return levels;
+}
+
+class InfoCommand : public Command {
+ public:
+  std::string_view name() const override { return "info"; }
+  std::string_view summary() const override { return "Show what an asset holds, and what each part costs"; }
+
+  void declare(Options& options) override {
+    options.path("asset", path_, "Asset, .loden; a broken one is shown as far as it can be read", true);
+  }
+
+  int run(const GlobalOptions& globals) override {
+    auto bytes = readWholeFile(path_);
+    if (!bytes) return fail(bytes.issue());
+    const std::span<const std::byte> view = std::as_bytes(std::span(*bytes));
+    const std::vector<Issue> issues = validateAsset(view, path_.string());
+    auto source = std::shared_ptr<const ByteSource>(memorySource({view.begin(), view.end()}, path_.string()));
+    const auto file = AssetFile::open(std::move(source), path_.string());
+    if (globals.json) printAsJson(bytes->size(), file, issues);
+    else printAsText(bytes->size(), file, issues);
+    const bool broken = std::any_of(issues.begin(), issues.end(), [](const Issue& i) { return i.severity == Severity::kError; });
+    return broken || !file ? kExitInvalid : kExitOk;
+  }
+
+ private:
+  void printAsJson(uint64_t file_bytes, const Result<AssetFile>& file, const std::vector<Issue>& issues) const {
+    Json json{{"file", path_.string()}, {"file_bytes", file_bytes}, {"issues", Json::array()}};
+    for (const Issue& issue : issues) json["issues"].push_back(issueJson(issue));
+    if (file) describe(*file, json);
+    printJson("info", json);
+  }
+
+  static void describe(const AssetFile& file, Json& json) {
+    const Material& m = file.skeleton();
+    json.update({{"name", m.name}, {"mode", modeName(m.mode)}, {"side", m.side}, {"lambda_max", m.lambda_max},
+                 {"cosine_included", m.cosine_included}, {"value_scale", m.value_scale}});
+    json["mean"] = {{"ka", m.mean.ka}, {"kd", m.mean.kd}, {"ks", m.mean.ks}, {"alpha", m.mean.alpha}, {"cb", m.mean.cb},
+                    {"cr", m.mean.cr}, {"chroma", m.mean.chroma == MeanChroma::kRatio ? "ratio" : "constant"}};
+    for (size_t b = 0; b < m.bands.size(); ++b) json["bands"].push_back(bandJson(m.bands[b], b));
+    uint64_t raw = 0, gpu = 0;
+    const auto parts = partsOf(file);
+    for (const Part& part : parts) {
+      json["maps"].push_back({{"name", part.name}, {"format", part.format}, {"extent", part.extent},
+                              {"raw_bytes", part.raw_bytes}, {"stored_bytes", part.stored_bytes}, {"gpu_bytes", part.gpu_bytes}});
+      raw += part.raw_bytes;
+      gpu += part.gpu_bytes;
+    }
+    json["raw_bytes"] = raw;
+    json["gpu_bytes"] = gpu;
+    for (const LevelBytes& level : cumulativeBytes(m, parts))
+      json["levels"].push_back({{"level", level.level}, {"raw_bytes", level.raw}, {"gpu_bytes", level.gpu}});
+    for (const ChunkInfo& chunk : file.chunks())
+      json["chunks"].push_back({{"type", chunkName(chunk.type)}, {"critical", (chunk.flags & 1) != 0},
+                                {"codec", chunk.codec}, {"offset", chunk.offset}, {"stored_bytes", chunk.stored_bytes},
+                                {"raw_bytes", chunk.raw_bytes}, {"hash", formatted("%016llx", static_cast<unsigned long long>(chunk.hash))}});
+    json["present_chunks"] = file.presentChunks();
+    const auto meta = Json::parse(m.meta_json, nullptr, false);
+    json["cook"] = meta.is_discarded() ? Json(m.meta_json) : meta;
+  }
+
+  void printAsText(uint64_t file_bytes, const Result<AssetFile>& file, const std::vector<Issue>& issues) const {
+    std::string text = formatted("%s: %s bytes on disk\n", path_.c_str(), withThousands(file_bytes).c_str());
+    if (file) text += describedText(*file);
+    else text += "cannot be opened: " + file.issue().text + "\n";
+    for (const Issue& issue : issues) text += issueText(issue) + "\n";
+    printText(text);
+  }
+
+  static std::string describedText(const AssetFile& file) {
+    const Material& m = file.skeleton();
+    std::string text = formatted("%s: %s, %d x %d texels, lambda 0 to %g, %zu bands, value %s cos(theta_i)\n", m.name.c_str(),
+                                 modeName(m.mode), m.side, m.side, m.lambda_max, m.bands.size(), m.cosine_included ? "with" : "without");
+    text += formatted("mean: ka %.4f, kd %.4f, ks %.4f, alpha %.2f, Cb %.4f, Cr %.4f%s\n", m.mean.ka, m.mean.kd, m.mean.ks,
+                      m.mean.alpha, m.mean.cb, m.mean.cr, m.mean.chroma == MeanChroma::kRatio ? " (of Y)" : "");
+    const auto parts = partsOf(file);
+    uint64_t raw = 0, gpu = 0;
+    text += formatted("\n%-18s %-20s %-22s %12s %12s %12s\n", "map", "format", "extent", "raw", "on disk", "on the GPU");
+    for (const Part& part : parts) {
+      text += formatted("%-18s %-20s %-22s %12s %12s %12s\n", part.name.c_str(), part.format.c_str(), part.extent.c_str(),
+                        withThousands(part.raw_bytes).c_str(), part.stored_bytes ? withThousands(part.stored_bytes).c_str() : "",
+                        withThousands(part.gpu_bytes).c_str());
+      raw += part.raw_bytes, gpu += part.gpu_bytes;
+    }
+    text += formatted("%-18s %-20s %-22s %12s %12s %12s\n\n", "total", "", "", withThousands(raw).c_str(), "", withThousands(gpu).c_str());
+    for (const LevelBytes& level : cumulativeBytes(m, parts))
+      text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level, withThousands(level.raw).c_str(),
+                        withThousands(level.gpu).c_str());
+    if (!m.meta_json.empty()) text += "\ncooked: " + m.meta_json + "\n";
+    return text;
+  }
+
+  std::filesystem::path path_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> makeInfoCommand() { return std::make_unique<InfoCommand>(); }
+
+}  // namespace loden::importer

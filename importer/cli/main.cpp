@@ -1,0 +1,17 @@
+#include "importer/cli/command.h"
+
+int main(int argc, char** argv) {
+  using namespace loden::importer;
+  std::vector<std::unique_ptr<Command>> commands;
+  commands.push_back(makeBakeCommand());
+  commands.push_back(makeCookCommand());
+  commands.push_back(makeInfoCommand());
+  commands.push_back(makeValidateCommand());
+  commands.push_back(makeExtractCommand());
+  commands.push_back(makeCompareCommand());
+  commands.push_back(makePackCommand());
+  commands.push_back(makeTraceCommand());
+  commands.push_back(makeStudyCommand());
+  commands.push_back(makeDoctorCommand());
+  return runCommandLine(argc, argv, commands);
+}

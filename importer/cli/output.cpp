@@ -1,0 +1,133 @@
+#include "importer/cli/output.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "importer/cli/interrupt.h"
+#include "material/atomic_file.h"
+#include "material/directions.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+const char* severityName(Severity severity) {
+  return severity == Severity::kError ? "error" : severity == Severity::kWarning ? "warning" : "note";
+}
+
+}  // namespace
+
+std::string issueText(const Issue& issue) {
+  return formatted("%s %d: ", severityName(issue.severity), issue.id) + issue.where + (issue.where.empty() ? "" : ": ") + issue.text;
+}
+
+int fail(const Issue& issue) {
+  std::fprintf(stderr, "loden: %s%s%s [%d]\n", issue.where.c_str(), issue.where.empty() ? "" : ": ", issue.text.c_str(),
+               issue.id);
+  return exitCodeOf(issue);
+}
+
+int failUsage(const std::string& text) {
+  std::fprintf(stderr, "loden: %s\n", text.c_str());
+  return kExitUsage;
+}
+
+void note(const GlobalOptions& globals, const std::string& text) {
+  if (!globals.quiet) std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+void printJson(const std::string& verb, const nlohmann::ordered_json& fields) {
+  nlohmann::ordered_json json{{"schema", "loden/" + verb + "/1"}};
+  json.update(fields);
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // file names need not be UTF-8
+  printText(json.dump(2, ' ', false, replace) + "\n");
+}
+
+void printText(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fflush(stdout);
+}
+
+std::string withThousands(uint64_t number) {
+  const std::string digits = std::to_string(number);
+  std::string text;
+  for (size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+    text += digits[i];
+  }
+  return text;
+}
+
+std::string formatted(const char* format, ...) {
+  char buffer[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+nlohmann::ordered_json issueJson(const Issue& issue) {
+  return {{"id", issue.id}, {"severity", severityName(issue.severity)}, {"where", issue.where}, {"text", issue.text}};
+}
+
+namespace {
+
+Issue badOption(const std::string& option, const std::string& text, const std::string& wanted) {
+  return {issue_id::kOption, Severity::kError, option, "'" + text + "' is not " + wanted};
+}
+
+}  // namespace
+
+Result<std::vector<double>> parseNumbers(const std::string& option, const std::string& text, size_t count) {
+  std::vector<double> numbers;
+  const char* at = text.c_str();
+  while (*at) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end == at || !std::isfinite(number)) break;
+    numbers.push_back(number);
+    at = end;
+    if (*at != ',') break;
+    ++at;
+  }
+  if (*at || numbers.size() != count)
+    return badOption(option, text, std::to_string(count) + " numbers with commas between");
+  return numbers;
+}
+
+Result<glm::dvec3> parseDirection(const std::string& option, const std::string& text) {
+  const auto degrees = parseNumbers(option, text, 2);
+  if (!degrees) return badOption(option, text, "THETA,PHI in degrees, for example 30,45");
+  const double theta = (*degrees)[0], phi = (*degrees)[1];
+  if (theta < 0 || theta >= 90) return badOption(option, text, "above the horizon: theta runs from 0 to below 90 degrees");
+  return directionFromSpherical({theta * kPi / 180, phi * kPi / 180});
+}
+
+Result<glm::ivec2> parseExtent(const std::string& option, const std::string& text) {
+  int width = 0, height = 0, used = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(text.size()) ||
+      width < 1 || height < 1 || width > 16384 || height > 16384)
+    return badOption(option, text, "WxH with sides 1 to 16384, for example 800x600");
+  return glm::ivec2(width, height);
+}
+
+Status writeWholeFile(const std::filesystem::path& path, std::string_view bytes) {
+  const CommitScope commit;
+  return writeFileAtomically(path, std::as_bytes(std::span(bytes)));
+}
+
+Result<std::string> readWholeFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path))
+    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) return Issue{issue_id::kCannotRead, Severity::kError, path.string(), "cannot be read to its end"};
+  return bytes;
+}
+
+}  // namespace loden::importer

@@ -1,0 +1,44 @@
+// What verbs print: data on stdout as JSON or text, messages on stderr.
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "importer/cli/command.h"
+
+namespace loden::importer {
+
+// "file: place: what; remedy" on stderr; returns the exit code that goes with it.
+int fail(const Issue& issue);
+int failUsage(const std::string& text);
+// A note on stderr, unless quiet.
+void note(const GlobalOptions& globals, const std::string& text);
+
+// JSON on stdout with "schema": "loden/<verb>/1" in front.
+void printJson(const std::string& verb, const nlohmann::ordered_json& fields);
+void printText(const std::string& text);
+
+// "1,836,784".
+std::string withThousands(uint64_t number);
+std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+nlohmann::ordered_json issueJson(const Issue& issue);
+std::string issueText(const Issue& issue);
+
+// "15,30" in degrees (theta, phi) -> unit direction; an issue that names `option` otherwise.
+Result<glm::dvec3> parseDirection(const std::string& option, const std::string& text);
+// "800x600".
+Result<glm::ivec2> parseExtent(const std::string& option, const std::string& text);
+// "8,2,2".
+Result<std::vector<double>> parseNumbers(const std::string& option, const std::string& text, size_t count);
+
+// Writes a whole text or binary file under a temporary name, then renames it.
+Status writeWholeFile(const std::filesystem::path& path, std::string_view bytes);
+Result<std::string> readWholeFile(const std::filesystem::path& path);
+
+}  // namespace loden::importer

@@ -1,0 +1,58 @@
+// loden validate X
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "importer/cli/input_kind.h"
+#include "importer/cli/output.h"
+#include "importer/pack.h"
+#include "material/asset.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+class ValidateCommand : public Command {
+ public:
+  std::string_view name() const override { return "validate"; }
+  std::string_view summary() const override { return "Check an asset or a packed scene; numbered issues, exit code 3 if invalid"; }
+
+  void declare(Options& options) override {
+    options.path("file", path_, "Asset (.loden) or scene (.gltf, .glb)", true);
+    options.footer("Numbers: 1xxx files, 2xxx container, 3xxx header, 4xxx bands and maps, 5xxx glTF.");
+  }
+
+  int run(const GlobalOptions& globals) override {
+    const InputKind kind = inputKind(path_);
+    std::vector<Issue> issues;
+    if (kind == InputKind::kGltf) {
+      issues = validateGltf(path_);
+    } else {
+      const auto bytes = readWholeFile(path_);
+      if (!bytes) return fail(bytes.issue());
+      issues = validateAsset(std::as_bytes(std::span(*bytes)), path_.string());
+    }
+    const auto count = [&](Severity severity) {
+      return std::count_if(issues.begin(), issues.end(), [&](const Issue& issue) { return issue.severity == severity; });
+    };
+    const auto errors = count(Severity::kError), warnings = count(Severity::kWarning);
+    if (globals.json) {
+      nlohmann::ordered_json list = nlohmann::ordered_json::array();
+      for (const Issue& issue : issues) list.push_back(issueJson(issue));
+      printJson("validate", {{"file", path_.string()}, {"valid", errors == 0}, {"errors", errors}, {"warnings", warnings}, {"issues", list}});
+    } else {
+      std::string text;
+      for (const Issue& issue : issues) text += issueText(issue) + "\n";
+      printText(text + formatted("%s: %s, %td errors, %td warnings\n", path_.c_str(), errors ? "invalid" : "valid", errors, warnings));
+    }
+    return errors ? kExitInvalid : kExitOk;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> makeValidateCommand() { return std::make_unique<ValidateCommand>(); }
+
+}  // namespace loden::importer

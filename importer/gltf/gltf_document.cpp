@@ -1,0 +1,172 @@
+#include "importer/gltf/gltf_document.h"
+
+#include <cstdint>
+#include <cstring>
+
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kMaxDepth = 64;
+constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+
+Issue issueAt(int id, const std::string& name, const std::string& text) { return {id, Severity::kError, name, text}; }
+
+uint32_t u32At(std::string_view bytes, size_t at) {
+  uint32_t value = 0;
+  for (int i = 0; i < 4; ++i) value |= uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
+  return value;
+}
+
+void appendU32(std::string& bytes, uint32_t value) {
+  for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFF);
+}
+
+int nestingDepth(std::string_view json) {
+  int depth = 0, deepest = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      else if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
+// Splits a GLB; `json` points into `bytes`.
+Status splitGlb(std::string_view bytes, const std::string& name, std::string_view& json, std::string& binary_chunk) {
+  const auto broken = [&](const std::string& text) { return issueAt(issue_id::kGltfParse, name, text); };
+  if (u32At(bytes, 4) != 2) return broken("GLB version is not 2");
+  if (u32At(bytes, 8) != bytes.size())
+    return broken("GLB header says " + std::to_string(u32At(bytes, 8)) + " bytes, the file has " + std::to_string(bytes.size()));
+  size_t at = 12;
+  for (int chunk = 0; at < bytes.size(); ++chunk) {
+    if (bytes.size() - at < 8) return broken("GLB ends inside a chunk header");
+    const uint32_t length = u32At(bytes, at), type = u32At(bytes, at + 4);
+    if (length > bytes.size() - at - 8) return broken("GLB chunk " + std::to_string(chunk) + " is longer than the file");
+    if (chunk == 0 && type != kJsonChunk) return broken("the first GLB chunk is not JSON");
+    if (chunk == 0) json = bytes.substr(at + 8, length);
+    if (chunk == 1 && type == kBinaryChunk) binary_chunk = bytes.substr(at + 8, length);
+    at += 8 + size_t{length};
+  }
+  return {};
+}
+
+int hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::string percentDecoded(const std::string& uri) {
+  std::string text;
+  for (size_t i = 0; i < uri.size(); ++i) {
+    const bool escape = uri[i] == '%' && i + 2 < uri.size() && hexDigit(uri[i + 1]) >= 0 && hexDigit(uri[i + 2]) >= 0;
+    text += escape ? static_cast<char>(hexDigit(uri[i + 1]) * 16 + hexDigit(uri[i + 2])) : uri[i];
+    if (escape) i += 2;
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name) {
+  GltfDocument document;
+  std::string_view json = bytes;
+  if (bytes.size() >= 12 && u32At(bytes, 0) == kGlbMagic) {
+    document.binary = true;
+    if (const Status status = splitGlb(bytes, name, json, document.binary_chunk); !status) return status.issue();
+  }
+  if (nestingDepth(json) > kMaxDepth)
+    return issueAt(issue_id::kGltfDepth, name, "nests deeper than " + std::to_string(kMaxDepth) + " arrays and objects");
+  document.json = nlohmann::ordered_json::parse(json, nullptr, false);
+  if (!document.json.is_object()) return issueAt(issue_id::kGltfParse, name, "is no glTF: not a JSON object");
+  const auto asset = document.json.find("asset");
+  const auto version = asset != document.json.end() && asset->is_object() ? asset->value("version", nlohmann::ordered_json()) : nlohmann::ordered_json();
+  if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
+    return issueAt(issue_id::kGltfParse, name + ": asset.version", "is not 2.x");
+  return document;
+}
+
+std::string serializeGltf(const GltfDocument& document) {
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  if (!document.binary) return document.json.dump(2, ' ', false, kReplace) + "\n";
+  std::string json = document.json.dump(-1, ' ', false, kReplace), binary = document.binary_chunk;
+  json.append((4 - json.size() % 4) % 4, ' ');
+  binary.append((4 - binary.size() % 4) % 4, '\0');
+  const size_t binary_size = binary.empty() ? 0 : 8 + binary.size();
+  std::string bytes;
+  appendU32(bytes, kGlbMagic);
+  appendU32(bytes, 2);
+  appendU32(bytes, static_cast<uint32_t>(12 + 8 + json.size() + binary_size));
+  appendU32(bytes, static_cast<uint32_t>(json.size()));
+  appendU32(bytes, kJsonChunk);
+  bytes += json;
+  if (binary_size) {
+    appendU32(bytes, static_cast<uint32_t>(binary.size()));
+    appendU32(bytes, kBinaryChunk);
+    bytes += binary;
+  }
+  return bytes;
+}
+
+int64_t integerMember(const nlohmann::ordered_json& object, const char* key) {
+  if (!object.is_object()) return -1;
+  const auto member = object.find(key);
+  if (member == object.end() || !member->is_number_integer()) return -1;
+  if (member->is_number_unsigned() && member->get<uint64_t>() > INT64_MAX) return -1;
+  return std::max<int64_t>(-1, member->get<int64_t>());
+}
+
+size_t arraySize(const nlohmann::ordered_json& object, const char* key) {
+  if (!object.is_object()) return 0;
+  const auto member = object.find(key);
+  return member != object.end() && member->is_array() ? member->size() : 0;
+}
+
+Result<std::filesystem::path> confinedPath(const std::string& uri, const std::string& where) {
+  const std::string decoded = percentDecoded(uri);
+  const std::filesystem::path path = std::filesystem::path(decoded).lexically_normal();
+  const size_t scheme = uri.find(':');
+  const bool has_scheme = scheme != std::string::npos && uri.find('/') > scheme;
+  const bool leaves = path.empty() || path.is_absolute() || *path.begin() == "..";
+  if (has_scheme || leaves || decoded.find('\0') != std::string::npos || decoded.find('\\') != std::string::npos)
+    return issueAt(issue_id::kGltfPath, where, "'" + uri + "' does not stay inside the file's folder");
+  return path;
+}
+
+std::string uriFromPath(const std::filesystem::path& relative) {
+  constexpr const char* kHex = "0123456789ABCDEF";
+  std::string uri;
+  for (const char c : relative.generic_string()) {
+    const auto u = static_cast<unsigned char>(c);
+    const bool plain = std::isalnum(u) || std::strchr("-._~/", c);
+    uri += plain ? std::string(1, c) : std::string{'%', kHex[u >> 4], kHex[u & 15]};
+  }
+  return uri;
+}
+
+bool isDataUri(std::string_view uri) { return uri.starts_with("data:"); }
+
+std::string base64(std::string_view bytes) {
+  constexpr const char* kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+}  // namespace loden::importer

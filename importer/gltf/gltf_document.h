@@ -1,0 +1,40 @@
+// A glTF file as JSON text, so that what Loden does not know survives editing. Not for untrusted scenes at run
+// time: that is runtime/, through tinygltf.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "material/result.h"
+
+namespace loden::importer {
+
+inline constexpr const char* kExtensionName = "LODEN_materials_flat_btf";
+inline constexpr const char* kAssetMimeType = "application/vnd.loden";
+
+struct GltfDocument {
+  nlohmann::ordered_json json;
+  bool binary = false;       // .glb
+  std::string binary_chunk;  // of a .glb, without padding
+};
+
+// From the bytes of a .gltf or .glb file. Refuses more than 64 nested arrays and objects before parsing.
+Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name);
+// Complete file: JSON with two spaces of indentation, or GLB with both chunks padded to four bytes.
+std::string serializeGltf(const GltfDocument& document);
+
+// Index into an array member, or -1 if there is no such non-negative integer member.
+int64_t integerMember(const nlohmann::ordered_json& object, const char* key);
+// Elements of an array member; 0 if there is no such array.
+size_t arraySize(const nlohmann::ordered_json& object, const char* key);
+
+// A uri of the document as a path below its folder. Refuses schemes, absolute paths and "..".
+Result<std::filesystem::path> confinedPath(const std::string& uri, const std::string& where);
+// The uri of a path relative to the document's folder, percent-encoded where needed.
+std::string uriFromPath(const std::filesystem::path& relative);
+bool isDataUri(std::string_view uri);
+std::string base64(std::string_view bytes);
+
+}  // namespace loden::importer

@@ -1,0 +1,39 @@
+// Puts a material into a glTF scene: extension LODEN_materials_flat_btf (importer/gltf/README.md).
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "material/result.h"
+
+namespace loden::importer {
+
+struct PackOptions {
+  std::filesystem::path scene;   // .gltf or .glb
+  std::string material;          // name of the material that gets the extension
+  std::filesystem::path asset;   // .loden
+  std::filesystem::path output;  // the same kind of file as `scene`
+  bool embed = false;            // into a bufferView; otherwise by uri, beside the output
+  int tex_coord = 0;             // TEXCOORD_n that gives x
+  glm::dvec2 scale{1};           // tile periods per unit of texture coordinate
+  double rotation = 0;           // radians, counter-clockwise
+  bool fit_fallback = false;     // replace an existing pbrMetallicRoughness, too
+};
+
+struct PackReport {
+  int material = 0;               // index in the scene
+  std::string asset_reference;    // uri, or "bufferView N"
+  bool fallback_fitted = false;
+  std::vector<std::filesystem::path> files;  // written or copied
+};
+
+// Everything else in the scene stays as it is. If the output lies in another folder, buffers and images that
+// the scene names by uri are copied beside it. The scene itself is written last, whole or not at all.
+Result<PackReport> pack(const PackOptions& options);
+
+// Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to.
+std::vector<Issue> validateGltf(const std::filesystem::path& path);
+
+}  // namespace loden::importer

@@ -1,0 +1,21 @@
+#include "importer/study/study.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr Study kStudies[] = {
+    {"view-coherence", "how much a texel's light vector changes with the view (FBTF table 2)", studyViewCoherence},
+    {"abrdf-size", "PNG and JPEG bytes of every texel's ABRDF (FBTF table 3)", studyAbrdfSize},
+};
+
+}  // namespace
+
+std::span<const Study> studies() { return kStudies; }
+
+const Study* findStudy(std::string_view name) {
+  for (const Study& study : kStudies)
+    if (study.name == name) return &study;
+  return nullptr;
+}
+
+}  // namespace loden::importer

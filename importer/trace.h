@@ -1,0 +1,26 @@
+// Ground truth: pictures of a tile on a surface, by tracing the tile itself.
+#pragma once
+
+#include "importer/picture.h"
+#include "importer/tile.h"
+#include "material/analytic_surface.h"
+
+namespace loden::importer {
+
+struct TraceOptions {
+  SurfaceKind surface = SurfaceKind::kPlane;
+  Camera camera;
+  glm::dvec3 light{0, 0, 1};  // world space, unit, towards the light; perpendicular irradiance pi (white Lambert = 1)
+  int width = 800, height = 600;
+  int samples = 16;           // per pixel, stratified over its area; the square root is rounded
+  int bounces = 0;            // 0: direct light and cast shadows
+  int threads = 0;
+  bool quiet = false;
+};
+
+// Linear RGB averaged over each pixel's area, alpha = coverage, background black. On the plane the tile repeats
+// without end, seen through the 2 m patch. On cylinder and sphere every tile is bent with the surface:
+// P = S(x, y) + z * kTilePeriod * N. The picture does not depend on the number of threads.
+Result<Picture> trace(const Tile& tile, const TraceOptions& options);
+
+}  // namespace loden::importer

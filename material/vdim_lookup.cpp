@@ -9,18 +9,21 @@
 namespace loden {
 namespace {
 
-// Texture instructions per patch: one gather for each of x, y, z (and one for the chart where there are several).
-constexpr int kPatchFetches = 3;
-constexpr int kNewtonSteps = 3;      // inside one patch; costs no fetch
-constexpr float kReach = 6;          // texels that one search may leave its patch by
-constexpr float kInside = 1e-3f;     // texels; patches share straight edges, so a hair suffices
-constexpr float kSeparation = 3.0f / 255.0f;  // of the depth range: closer candidates are one candidate
+constexpr int kNewtonSteps = 4;     // inside one patch; they cost no fetch
+constexpr float kReach = 3;         // texels that a search may move by in one patch
+constexpr float kInside = 0.4f;     // texels beyond a patch at which its extension still counts as the surface
+constexpr float kResidual = 0.2f;   // texels between ray and surface at which a search has converged
+constexpr float kCluster = 20.0f / 255.0f;    // of the depth range: entries this close are one surface
+constexpr float kSeparation = 1.0f / 255.0f;  // of the depth range: closer candidates are one candidate
 
 struct TierLimits {
-  int patches;     // per candidate
-  int candidates;  // tried
+  int candidates;
+  int patches;  // per candidate
 };
-constexpr TierLimits tierLimits(VdimTier tier) { return tier == VdimTier::kFast ? TierLimits{1, 1} : TierLimits{3, 4}; }
+TierLimits tierLimits(VdimTier tier, bool identity) {
+  if (tier == VdimTier::kFast) return {1, identity ? 4 : 2};
+  return {8, 4};
+}
 
 template <class T>
 struct ViewRay {
@@ -36,9 +39,15 @@ ViewRay<T> viewRay(glm::vec<2, T> x, const glm::vec<3, T>& wo) {
   return {x - glm::floor(x), glm::vec<2, T>(wo.x, wo.y) * (scale / cosine)};
 }
 
-// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border.
+// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border,
+// with the second one's weight in a linear blend.
 template <class T>
-std::array<int, 2> nearestLayers(int directions, glm::vec<2, T> square) {
+struct NearestLayers {
+  int own = 0, next = 0;
+  T next_weight = 0;
+};
+template <class T>
+NearestLayers<T> nearestLayers(int directions, glm::vec<2, T> square) {
   const glm::vec<2, T> grid = square * T(directions);
   const glm::vec<2, T> limit(T(directions) - 1);
   const glm::vec<2, T> cell = glm::clamp(glm::floor(grid), glm::vec<2, T>(0), limit);
@@ -49,7 +58,8 @@ std::array<int, 2> nearestLayers(int directions, glm::vec<2, T> square) {
   else
     second.y = std::clamp(cell.y + (off.y > 0 ? T(1) : T(-1)), T(0), limit.y);
   return {static_cast<int>(cell.y) * directions + static_cast<int>(cell.x),
-          static_cast<int>(second.y) * directions + static_cast<int>(second.x)};
+          static_cast<int>(second.y) * directions + static_cast<int>(second.x),
+          std::min(std::max(std::abs(off.x), std::abs(off.y)), T(0.5))};
 }
 
 // z of the four entries around x in one layer: texels (0,0), (1,0), (0,1), (1,1) from the lower left one.
@@ -81,14 +91,14 @@ glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) 
 // Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
 // Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo.
 template <class T>
-bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, glm::vec<2, T>& ab, T& z) {
+bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& z) {
   using V2 = glm::vec<2, T>;
   const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - ray.slope * p.z - ray.x; };
   const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
   const V2 q11 = shear(patch.p11) - q00 - q10 - q01;
   const V2 lower = ab - T(kReach), upper = ab + T(kReach);
   T det = 0;
-  for (int step = 0; step < kNewtonSteps; ++step) {
+  for (int newton = 0; newton < kNewtonSteps; ++newton) {
     const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
     const V2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
     det = qa.x * qb.y - qa.y * qb.x;
@@ -98,7 +108,9 @@ bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ra
   }
   z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
   const V2 centred = glm::abs(ab - T(0.5));
-  return det > 0 && std::max(centred.x, centred.y) <= T(0.5) + T(kInside);
+  const V2 residual = glm::abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
+  return det > 0 && std::max(centred.x, centred.y) <= T(0.5) + T(kInside) &&
+         std::max(residual.x, residual.y) * side <= T(kResidual);
 }
 
 // Newton's search from the point of the ray at height z.
@@ -110,19 +122,44 @@ void searchFrom(const GeometryImage& image, const VdimAtlas& atlas, const ViewRa
   const V2 point = ray.x + ray.slope * z;
   V2 p = parameterNear(atlas, point, z);
   hit.fetches += atlas.volume.empty() ? 0 : 1;
-  int step = 0;
+  int visited = 0;
   do {
     const V2 texel = p * n - T(0.5), base = glm::floor(texel);
     V2 ab = texel - base;
     const Patch<T> patch = fetchPatch<T>(image, static_cast<int>(base.x), static_cast<int>(base.y));
-    hit.fetches += kPatchFetches;
+    // One gather for z and chart, one for the displacements unless they are 0.
+    hit.fetches += image.identity_parameterization ? 1 : 2;
     const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
     T hit_z = z;
-    hit.converged = meetPatch(patch, shift, ray, ab, hit_z) && patch.chart != 0;
+    hit.converged = meetPatch(patch, shift, ray, n, ab, hit_z) && patch.chart != 0;
     p = (base + ab + T(0.5)) / n;
     hit.p = p + shift;
     hit.position = glm::vec<3, T>(ray.x + ray.slope * hit_z, hit_z);
-  } while (!hit.converged && ++step < patches);
+  } while (!hit.converged && ++visited < patches);
+}
+
+// Highest entry below a height; far below the tile if there is none.
+template <class T>
+T highestBelow(const glm::vec<4, T>& depths, T below) {
+  T z = T(-1e9);
+  for (int k = 0; k < 4; ++k) z = depths[k] < below ? std::max(z, depths[k]) : z;
+  return z;
+}
+
+// Mean of the entries at or above `low`, each with its weight: the depth of the topmost surface at x.
+template <class T>
+T clusterMean(const glm::vec<4, T>& own, const glm::vec<4, T>& next, T low, glm::vec<2, T> f, T next_weight) {
+  using V4 = glm::vec<4, T>;
+  constexpr float kFloor = 0.02f;  // so that a lone entry with weight 0 still counts
+  const V4 spatial = V4((1 - f.x) * (1 - f.y), f.x * (1 - f.y), (1 - f.x) * f.y, f.x * f.y) + T(kFloor);
+  T weight = 0, sum = 0;
+  for (int k = 0; k < 4; ++k) {
+    const T w_own = own[k] >= low ? spatial[k] * (1 - next_weight) : T(0);
+    const T w_next = next[k] >= low ? spatial[k] * next_weight : T(0);
+    weight += w_own + w_next;
+    sum += own[k] * w_own + next[k] * w_next;
+  }
+  return sum / std::max(weight, T(1e-9));
 }
 
 }  // namespace
@@ -131,32 +168,26 @@ template <class T>
 VdimHit<T> vdimLookup(const GeometryImage& image, const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x,
                       const glm::vec<3, T>& wo) {
   const ViewRay<T> ray = viewRay(x, wo);
-  const auto layers = nearestLayers(atlas.size.directions, vdimSquareFromView(wo));
-  const TierLimits limits = tierLimits(tier);
+  const NearestLayers<T> layers = nearestLayers(atlas.size.directions, vdimSquareFromView(wo));
+  const TierLimits limits = tierLimits(tier, image.identity_parameterization);
+  const glm::vec<4, T> own = gatherDepths(atlas, layers.own, ray.x);
+  const glm::vec<4, T> next = tier == VdimTier::kFast ? own : gatherDepths(atlas, layers.next, ray.x);
   VdimHit<T> hit;
-  glm::vec<4, T> near = gatherDepths(atlas, layers[0], ray.x), far = near;
-  hit.fetches = 1;
-  if (tier != VdimTier::kFast) {
-    far = gatherDepths(atlas, layers[1], ray.x);
-    ++hit.fetches;
-  } else {  // the entry under x alone
-    const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
-    const T z = f.y < T(0.5) ? (f.x < T(0.5) ? near.x : near.y) : (f.x < T(0.5) ? near.z : near.w);
-    near = far = glm::vec<4, T>(z);
-  }
-  // Candidates from the one nearest to the viewer down; the first that converges wins.
+  hit.fetches = tier == VdimTier::kFast ? 1 : 2;
+  // First the blended depth of the topmost surface; then single entries from the one nearest to the viewer
+  // down. The first search that converges wins.
+  const T range = -T(atlas.z_min);
+  const T top = std::max(highestBelow(own, T(1)), highestBelow(next, T(1)));
+  const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
+  T z = clusterMean(own, next, top - T(kCluster) * range, f, layers.next_weight);
   T below = T(1);
   int tried = 0;
   bool more = true;
   do {
-    T z = T(-1e9);
-    for (int k = 0; k < 4; ++k) {
-      z = near[k] < below ? std::max(z, near[k]) : z;
-      z = far[k] < below ? std::max(z, far[k]) : z;
-    }
+    searchFrom(image, atlas, ray, z, limits.patches, hit);
+    z = std::max(highestBelow(own, below), highestBelow(next, below));
     more = z > T(-1e8);
-    if (more) searchFrom(image, atlas, ray, z, limits.patches, hit);
-    below = z + T(kSeparation) * T(atlas.z_min);
+    below = z - T(kSeparation) * range;
   } while (more && !hit.converged && ++tried < limits.candidates);
   const glm::vec<2, T> base = glm::floor(x);
   hit.p += base;

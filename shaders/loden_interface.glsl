@@ -26,8 +26,8 @@ LODEN_BINDING(LODEN_UNIT_TABLE) uniform sampler3D loden_table[LODEN_BANDS];     
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
 LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;
 #endif
-LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform sampler2D loden_geometry;             // repeat, nearest
-LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;    // repeat, nearest
+LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform usampler2D loden_geometry;            // RGBA16 texels as RG32UI; repeat
+LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;    // repeat
 LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;       // nearest
 #ifdef LODEN_LOOKUP_PAPER
 LODEN_BINDING(LODEN_UNIT_PAPER_REFERENCE) uniform sampler2DArray loden_paper_reference;  // nearest
@@ -46,7 +46,7 @@ struct LodenMaterial {
   bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
 };
 
-LodenMaterial loden_material_default() { return LodenMaterial(0.0, 0.0, true); }
+LodenMaterial loden_material_default() { return LodenMaterial(loden_material.mean_chroma.z, 0.0, true); }
 
 // One shading point, shared by all lights.
 struct LodenHit {

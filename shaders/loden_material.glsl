@@ -60,6 +60,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.p = loden_paper_vdim_lookup(x, wo);
 #elif defined(LODEN_LOOKUP_DEFAULT) || defined(LODEN_LOOKUP_FAST)
   float fade = m.skip_parallax ? loden_parallax_fade(hit.lambda, wo) : 1.0;
+  fade *= loden_material.mean_chroma.w;  // 0 until geometry and VDIM are resident
   if (fade > 0.0 && loden_needs_parameter(hit.lambda)) {
     LodenVdimHit found = loden_vdim_lookup(x, wo);
     hit.p = mix(x, found.p, fade);

@@ -33,7 +33,6 @@
 #define LODEN_MEAN_RATIO 1            // the mean's chroma is a multiple of its Y
 #define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
 #define LODEN_IDENTITY 4              // P.xy == p: no closest-point volume
-#define LODEN_CHARTS 8                // several charts: patches must not bridge them
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>

@@ -1,18 +1,13 @@
 // View-dependent indirection: p = VDIM(x, wo). Mirrors material/vdim_lookup.cpp name for name.
-// Default: 2 gathers for 8 candidate depths, then per candidate 1 fetch (none on identity parameterizations)
-// and 3 gathers per patch visited. Fast: 1 candidate, 1 patch.
+// Default: 2 gathers for 8 depths, then per candidate 1 fetch (none on identity parameterizations) and 2
+// gathers (1) per patch visited. Fast: 1 gather for 4 depths, one candidate.
 
-#ifdef LODEN_LOOKUP_FAST
-const int LODEN_VDIM_PATCHES = 1;
-const int LODEN_VDIM_CANDIDATES = 1;
-#else
-const int LODEN_VDIM_PATCHES = 3;
-const int LODEN_VDIM_CANDIDATES = 4;
-#endif
-const int LODEN_NEWTON_STEPS = 3;
-const float LODEN_REACH = 6.0;              // texels
-const float LODEN_INSIDE = 1e-3;            // texels
-const float LODEN_SEPARATION = 3.0 / 255.0;  // of the depth range
+const int LODEN_NEWTON_STEPS = 4;
+const float LODEN_REACH = 3.0;               // texels
+const float LODEN_INSIDE = 0.4;              // texels
+const float LODEN_RESIDUAL = 0.2;            // texels
+const float LODEN_CLUSTER = 20.0 / 255.0;    // of the depth range
+const float LODEN_SEPARATION = 1.0 / 255.0;  // of the depth range
 
 struct LodenVdimHit {
   vec2 p;        // unwrapped
@@ -32,8 +27,13 @@ LodenViewRay loden_view_ray(vec2 x, vec3 wo) {
   return LodenViewRay(x - floor(x), wo.xy * (scale / cosine));
 }
 
-// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border.
-ivec2 loden_nearest_layers(int directions, vec2 square) {
+// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border,
+// with the second one's weight in a linear blend.
+struct LodenNearestLayers {
+  int own, next;
+  float next_weight;
+};
+LodenNearestLayers loden_nearest_layers(int directions, vec2 square) {
   vec2 grid = square * float(directions);
   vec2 limit = vec2(float(directions) - 1.0);
   vec2 cell = clamp(floor(grid), vec2(0.0), limit);
@@ -43,7 +43,8 @@ ivec2 loden_nearest_layers(int directions, vec2 square) {
     second.x = clamp(cell.x + (off.x > 0.0 ? 1.0 : -1.0), 0.0, limit.x);
   else
     second.y = clamp(cell.y + (off.y > 0.0 ? 1.0 : -1.0), 0.0, limit.y);
-  return ivec2(int(cell.y) * directions + int(cell.x), int(second.y) * directions + int(second.x));
+  return LodenNearestLayers(int(cell.y) * directions + int(cell.x), int(second.y) * directions + int(second.x),
+                            min(max(abs(off.x), abs(off.y)), 0.5));
 }
 
 // z of the four entries around x in one layer, as (lower left, lower right, upper left, upper right).
@@ -67,38 +68,42 @@ vec2 loden_parameter_near(vec2 point, float z) {
 }
 
 struct LodenPatch {
-  vec3 p00, p10, p01, p11;  // P - p of the patch's lower left corner + that corner's p
+  vec3 p00, p10, p01, p11;
   bool exists;
 };
 
-// The bilinear patch whose lower left corner is texel `base`.
+// The bilinear patch whose lower left corner is texel `base`. The geometry image's RGBA16 texels are bound as
+// RG32UI, so that one gather returns two channels of four corners: (dx | dy << 16, z | chart << 16).
 LodenPatch loden_fetch_patch(vec2 base) {
   vec3 range = loden_material.geometry.xyz;
   float n = loden_material.geometry.w;
+  const float unit = 1.0 / 65535.0;
   vec2 uv = (base + 1.0) / n;
-  LODEN_COUNT(3);
-  vec4 x = (textureGather(loden_geometry, uv, 0) - 0.5) * range.x;
-  vec4 y = (textureGather(loden_geometry, uv, 1) - 0.5) * range.y;
-  vec4 z = (textureGather(loden_geometry, uv, 2) - 1.0) * range.z;
+  LODEN_COUNT(1);
+  uvec4 z_chart = textureGather(loden_geometry, uv, 1);
+  vec4 x = vec4(0.0), y = vec4(0.0);
+  if ((loden_material.flags.x & LODEN_IDENTITY) == 0) {
+    LODEN_COUNT(1);
+    uvec4 xy = textureGather(loden_geometry, uv, 0);
+    x = (vec4(xy & 0xffffu) * unit - 0.5) * range.x;
+    y = (vec4(xy >> 16u) * unit - 0.5) * range.y;
+  }
+  vec4 z = (vec4(z_chart & 0xffffu) * unit - 1.0) * range.z;
+  uvec4 chart = z_chart >> 16u;
   vec2 lower = (base + 0.5) / n, upper = (base + 1.5) / n;
   LodenPatch patch_;
   patch_.p00 = vec3(lower.x + x.w, lower.y + y.w, z.w);
   patch_.p10 = vec3(upper.x + x.z, lower.y + y.z, z.z);
   patch_.p01 = vec3(lower.x + x.x, upper.y + y.x, z.x);
   patch_.p11 = vec3(upper.x + x.y, upper.y + y.y, z.y);
-  patch_.exists = true;
-  if ((loden_material.flags.x & LODEN_CHARTS) != 0) {
-    LODEN_COUNT(1);
-    vec4 chart = textureGather(loden_geometry, uv, 3);
-    patch_.exists = chart.x > 0.0 && chart.x == chart.y && chart.x == chart.z && chart.x == chart.w;
-  }
+  patch_.exists = chart.x != 0u && chart.x == chart.y && chart.x == chart.z && chart.x == chart.w;
   return patch_;
 }
 
 vec2 loden_shear(vec3 p, vec2 shift, LodenViewRay ray) { return p.xy + shift - ray.slope * p.z - ray.x; }
 
 // Newton's method on the patch as seen along the ray, Q(a, b) = P.xy - slope P.z = x.
-bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, inout vec2 ab, out float z) {
+bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z) {
   vec2 q00 = loden_shear(patch_.p00, shift, ray);
   vec2 q10 = loden_shear(patch_.p10, shift, ray) - q00;
   vec2 q01 = loden_shear(patch_.p01, shift, ray) - q00;
@@ -115,10 +120,12 @@ bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, inout vec
   }
   z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
   vec2 centred = abs(ab - 0.5);
-  return det > 0.0 && max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE;
+  vec2 residual = abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
+  return det > 0.0 && max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE &&
+         max(residual.x, residual.y) * side <= LODEN_RESIDUAL;
 }
 
-void loden_search_from(LodenViewRay ray, float z, inout LodenVdimHit hit) {
+void loden_search_from(LodenViewRay ray, float z, int patches, inout LodenVdimHit hit) {
   float n = loden_material.geometry.w;
   vec2 point = ray.x + ray.slope * z;
   vec2 p = loden_parameter_near(point, z);
@@ -129,43 +136,58 @@ void loden_search_from(LodenViewRay ray, float z, inout LodenVdimHit hit) {
     LodenPatch patch_ = loden_fetch_patch(base);
     vec2 shift = floor(point - patch_.p00.xy + 0.5);
     float hit_z = z;
-    hit.converged = loden_meet_patch(patch_, shift, ray, ab, hit_z) && patch_.exists;
+    hit.converged = loden_meet_patch(patch_, shift, ray, n, ab, hit_z) && patch_.exists;
     p = (base + ab + 0.5) / n;
     hit.p = p + shift;
     hit.position = vec3(ray.x + ray.slope * hit_z, hit_z);
-  } while (!hit.converged && ++visited < LODEN_VDIM_PATCHES);
+  } while (!hit.converged && ++visited < patches);
 }
 
-float loden_highest_below(vec4 depths, float below, float z) {
+float loden_highest_below(vec4 depths, float below) {
   vec4 usable = mix(vec4(-1e9), depths, lessThan(depths, vec4(below)));
-  return max(z, max(max(usable.x, usable.y), max(usable.z, usable.w)));
+  return max(max(usable.x, usable.y), max(usable.z, usable.w));
+}
+
+// Mean of the entries at or above `low`, each with its weight: the depth of the topmost surface at x.
+float loden_cluster_mean(vec4 own, vec4 next, float low, vec2 f, float next_weight) {
+  const float floor_ = 0.02;  // so that a lone entry with weight 0 still counts
+  vec4 spatial = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y) + floor_;
+  vec4 w_own = mix(vec4(0.0), spatial * (1.0 - next_weight), greaterThanEqual(own, vec4(low)));
+  vec4 w_next = mix(vec4(0.0), spatial * next_weight, greaterThanEqual(next, vec4(low)));
+  return (dot(own, w_own) + dot(next, w_next)) / max(dot(w_own + w_next, vec4(1.0)), 1e-9);
 }
 
 LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
   LodenViewRay ray = loden_view_ray(x, wo);
-  ivec2 layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(wo));
+  LodenNearestLayers layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(wo));
+  vec4 own = loden_gather_depths(layers.own, ray.x);
+#ifdef LODEN_LOOKUP_FAST
+  vec4 next = own;
+  int candidates = 1;
+  int patches = (loden_material.flags.x & LODEN_IDENTITY) != 0 ? 4 : 2;
+#else
+  vec4 next = loden_gather_depths(layers.next, ray.x);
+  const int candidates = 8, patches = 4;
+#endif
   LodenVdimHit hit;
   hit.p = ray.x;
   hit.position = vec3(ray.x, 0.0);
   hit.converged = false;
-  vec4 near_ = loden_gather_depths(layers.x, ray.x);
-#ifdef LODEN_LOOKUP_FAST
-  vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);  // the entry under x alone
-  near_ = vec4(f.y < 0.5 ? (f.x < 0.5 ? near_.x : near_.y) : (f.x < 0.5 ? near_.z : near_.w));
-  vec4 far_ = near_;
-#else
-  vec4 far_ = loden_gather_depths(layers.y, ray.x);
-#endif
+  // First the blended depth of the topmost surface; then single entries from the one nearest to the viewer
+  // down. The first search that converges wins.
+  float range = loden_material.geometry.z;
+  float top = max(loden_highest_below(own, 1.0), loden_highest_below(next, 1.0));
+  vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
+  float z = loden_cluster_mean(own, next, top - LODEN_CLUSTER * range, f, layers.next_weight);
   float below = 1.0;
   int tried = 0;
   bool more = true;
-  // Candidates from the one nearest to the viewer down; the first that converges wins.
   do {
-    float z = loden_highest_below(far_, below, loden_highest_below(near_, below, -1e9));
+    loden_search_from(ray, z, patches, hit);
+    z = max(loden_highest_below(own, below), loden_highest_below(next, below));
     more = z > -1e8;
-    if (more) loden_search_from(ray, z, hit);
-    below = z - LODEN_SEPARATION * loden_material.geometry.z;
-  } while (more && !hit.converged && ++tried < LODEN_VDIM_CANDIDATES);
+    below = z - LODEN_SEPARATION * range;
+  } while (more && !hit.converged && ++tried < candidates);
   vec2 base = floor(x);
   hit.p += base;
   hit.position.xy += base;

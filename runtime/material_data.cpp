@@ -1,0 +1,117 @@
+#include "runtime/material_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "material/issues.h"
+
+namespace loden::runtime {
+namespace {
+
+// Reciprocal of a ramp's length; a step becomes a very steep ramp.
+float ramp(float begin, float end) { return 1.0f / std::max(end - begin, 1e-6f); }
+
+glm::vec4 windowData(const Window& w) {
+  return {w.in_begin, ramp(w.in_begin, w.in_end), w.out_end, ramp(w.out_begin, w.out_end)};
+}
+
+LodenBandData bandData(const Band& band) {
+  LodenBandData data{};
+  data.window = windowData(band.window);
+  data.mip = {band.lambda_first, float(band.weights.mips - 1), 0, 0};
+  int bits = 0;
+  if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
+  if (band.filter == WeightFilter::kLinear) bits |= LODEN_BAND_LINEAR;
+  if (band.layout == TableLayout::kGrid) bits |= LODEN_BAND_GRID;
+  if (band.ratio) bits |= LODEN_BAND_RATIO;
+  data.layout_ = {bits, band.y_quads, band.chroma_quads, band.quads()};
+  std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
+  data.ratio_scale = band.ratio_scale;
+  return data;
+}
+
+Issue limitIssue(const Material& material, const std::string& text) {
+  return {issue_id::kLimit, Severity::kError, material.name, text};
+}
+
+Status checkBands(const Material& material) {
+  if (material.bands.empty()) return limitIssue(material, "a material without bands and surface maps cannot be drawn");
+  if (material.bands.size() > LODEN_MAX_BANDS)
+    return limitIssue(material, std::to_string(material.bands.size()) + " bands, shaders read " +
+                                    std::to_string(LODEN_MAX_BANDS) + "; cook with fewer levels");
+  for (const Band& band : material.bands) {
+    if (band.layout != material.bands.front().layout) return limitIssue(material, "bands mix table layouts");
+    if (band.quads() < 1 || band.quads() > LODEN_MAX_QUADS || band.quad_scale.size() != size_t(band.quads()))
+      return limitIssue(material, "a band of " + std::to_string(band.quads()) + " quads, shaders read 1 to " +
+                                      std::to_string(LODEN_MAX_QUADS) + "; cook with fewer components");
+  }
+  return {};
+}
+
+bool readsParameter(const Material& material) {
+  if (material.mode == Mode::kSurface) return true;
+  return std::any_of(material.bands.begin(), material.bands.end(),
+                     [](const Band& band) { return band.domain == Domain::kFlat; });
+}
+
+}  // namespace
+
+Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup) {
+  MaterialVariant variant;
+  if (material.mode == Mode::kSurface) {
+    if (!material.surface) return limitIssue(material, "a surface material without surface maps cannot be drawn");
+    variant.kind = MaterialVariant::Kind::kSurface;
+  } else {
+    if (Status status = checkBands(material); !status) return status.issue();
+    variant.kind = MaterialVariant::Kind::kBands;
+    variant.bands = static_cast<uint8_t>(material.bands.size());
+    variant.nearest_tables = material.bands.front().layout == TableLayout::kNearest;
+  }
+  const bool has_geometry = material.geometry.side() > 0;
+  if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
+  if (material.stored_vdim && !variant.nearest_tables && (lookup == Lookup::kPaper || !has_geometry))
+    variant.lookup = Lookup::kPaper;
+  else if (has_geometry)
+    variant.lookup = lookup == Lookup::kPaper ? Lookup::kDefault : lookup;
+  return variant;
+}
+
+LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
+  LodenMaterialData data{};
+  int bits = 0;
+  if (m.mean.chroma == MeanChroma::kRatio) bits |= LODEN_MEAN_RATIO;
+  if (m.cosine_included) bits |= LODEN_COSINE_INCLUDED;
+  if (m.geometry.identity_parameterization) bits |= LODEN_IDENTITY;
+  const float full_turn = 2 * float(kPi);
+  data.flags = {bits, int(m.bands.size()), atlas.texels, atlas.directions};
+  data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
+  data.mean_chroma = {m.mean.cb, m.mean.cr, m.lambda_min, 1};
+  data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
+  data.grid = {m.grid.thetas, m.grid.phis, float(m.grid.thetas - 1) / m.grid.theta_max,
+               float(m.grid.phis - 1) / full_turn};
+  data.geometry = {m.geometry.range, m.geometry.side()};
+  data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
+  if (m.stored_vdim)
+    data.paper = {m.stored_vdim->range, m.stored_vdim->zeniths, m.stored_vdim->azimuths};
+  for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b) data.bands[b] = bandData(m.bands[b]);
+  return data;
+}
+
+void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state) {
+  data.mean_chroma.z = std::max(std::min(state.lambda, material.lambda_max), material.lambda_min);
+  data.mean_chroma.w = state.geometry ? 1 : 0;
+  // A band that is needed at every lambda has no window to come in by: its weight follows the published
+  // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
+  const float share = glm::clamp(material.lambda_max + 1 - state.lambda, 0.0f, 1.0f);
+  for (size_t b = 0; b < std::min<size_t>(material.bands.size(), LODEN_MAX_BANDS); ++b) {
+    const Window& window = material.bands[b].window;
+    data.bands[b].window = windowData(window);
+    const bool resident = (state.bands >> b & 1) != 0;
+    if (!resident)
+      data.bands[b].window = {0, 0, 0, 0};
+    else if (window.out_end > material.lambda_max && share < 1)
+      data.bands[b].window = {data.bands[b].window.x, data.bands[b].window.y, 1e6f, share * 1e-6f};
+  }
+}
+
+}  // namespace loden::runtime

@@ -1,0 +1,137 @@
+#include "runtime/material_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/material_data.h"
+#include "shaders/loden_shared.h"
+
+namespace loden::runtime {
+namespace {
+
+uint64_t gpuBytes(const Texture& t) {
+  return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
+}
+
+uint64_t atlasBytes(VdimAtlasSize size) {
+  return uint64_t(size.texels) * uint64_t(size.texels) * uint64_t(size.directions) * uint64_t(size.directions);
+}
+
+// Bands without an end, and the coarsest, are needed everywhere: they fade in below lambda_max + 1.
+float bandEnd(const Material& material, const Band& band) {
+  return std::min(band.window.out_end, material.lambda_max + 1);
+}
+
+// Where parallax is seen at all: half a texel shown, at slopes up to 11 (85 degrees); material/vdim.h.
+float parallaxEnd(const Material& material) {
+  const float texels = std::abs(material.geometry.range.z) * float(material.side) * 4 * 11;
+  return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
+}
+
+PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize atlas) {
+  constexpr uint64_t kVolumeBytes = 32 * 32 * 8 * 4;  // VdimAtlas::volume
+  uint64_t bytes = gpuBytes(material.geometry.texels) + atlasBytes(atlas);
+  if (!material.geometry.identity_parameterization) bytes += kVolumeBytes;
+  return {PartKind::kGeometry, 0, {bytes, lambda_end}};
+}
+
+PartPlan storedVdimPart(const Material& material, float lambda_end) {
+  const PaperVdim& vdim = *material.stored_vdim;
+  return {PartKind::kStoredVdim, 0, {gpuBytes(vdim.reference) + gpuBytes(vdim.packed), lambda_end}};
+}
+
+PartPlan surfacePart(const Material& material) {
+  const SurfaceMaps& maps = *material.surface;
+  const uint64_t bytes = gpuBytes(maps.normal) + gpuBytes(maps.diffuse) + gpuBytes(maps.specular);
+  return {PartKind::kSurface, 0, {bytes, material.lambda_max + 1}};
+}
+
+void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end, VdimAtlasSize atlas) {
+  if (lookup == Lookup::kPaper) parts.push_back(storedVdimPart(material, end));
+  if (lookup == Lookup::kFast || lookup == Lookup::kDefault) parts.push_back(geometryPart(material, end, atlas));
+}
+
+void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
+  for (int b = int(material.bands.size()) - 1; b >= 0; --b) {
+    const Band& band = material.bands[size_t(b)];
+    if (band.domain == domain)
+      parts.push_back({PartKind::kBand, b, {gpuBytes(band.weights) + gpuBytes(band.table), bandEnd(material, band)}});
+  }
+}
+
+Result<LoadedPart> loadBandPart(const AssetFile& file, int index) {
+  Result<Band> band = file.loadBand(index);
+  if (!band) return band.issue();
+  const Sampling weights = band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
+  const Sampling table = band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
+  LoadedPart part;
+  part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
+  part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
+  return part;
+}
+
+Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads) {
+  Result<GeometryImage> image = file.loadGeometry();
+  if (!image) return image.issue();
+  VdimAtlas atlas = buildVdimAtlas(*image, GeometryTracer(*image), size, threads);
+  LoadedPart part;
+  part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(image->texels)});
+  part.textures.push_back({LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(atlas.depth)});
+  if (!atlas.volume.empty())
+    part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
+  return part;
+}
+
+Result<LoadedPart> loadStoredVdimPart(const AssetFile& file) {
+  Result<PaperVdim> vdim = file.loadStoredVdim();
+  if (!vdim) return vdim.issue();
+  LoadedPart part;
+  part.textures.push_back({LODEN_UNIT_PAPER_REFERENCE, Sampling::kRepeatNearest, false, "VDIM reference", std::move(vdim->reference)});
+  part.textures.push_back({LODEN_UNIT_PAPER_PACKED, Sampling::kRepeatLinear, false, "VDIM packed", std::move(vdim->packed)});
+  return part;
+}
+
+Result<LoadedPart> loadSurfacePart(const AssetFile& file) {
+  Result<SurfaceMaps> maps = file.loadSurface();
+  if (!maps) return maps.issue();
+  LoadedPart part;
+  part.textures.push_back({LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
+  part.textures.push_back({LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
+  part.textures.push_back({LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});
+  return part;
+}
+
+}  // namespace
+
+std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant, VdimAtlasSize atlas) {
+  std::vector<PartPlan> parts;
+  if (variant.kind == MaterialVariant::Kind::kSurface) {
+    parts.push_back(surfacePart(material));
+    addLookupPart(parts, material, variant.lookup, parallaxEnd(material), atlas);
+    return parts;
+  }
+  addBands(parts, material, Domain::kReference);
+  float flat_end = 0;
+  for (const Band& band : material.bands)
+    if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
+  addLookupPart(parts, material, variant.lookup, flat_end, atlas);
+  addBands(parts, material, Domain::kFlat);
+  return parts;
+}
+
+VdimAtlasSize fitAtlas(VdimAtlasSize wanted, uint64_t budget_bytes) {
+  while (wanted.texels > 16 && atlasBytes(wanted) > budget_bytes / 16) wanted.texels /= 2;
+  return wanted;
+}
+
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, VdimAtlasSize atlas, int threads) {
+  switch (plan.kind) {
+    case PartKind::kBand: return loadBandPart(file, plan.band);
+    case PartKind::kGeometry: return loadGeometryPart(file, atlas, threads);
+    case PartKind::kStoredVdim: return loadStoredVdimPart(file);
+    case PartKind::kSurface: break;
+  }
+  return loadSurfacePart(file);
+}
+
+}  // namespace loden::runtime

@@ -108,6 +108,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
   const Factors* channels[3] = {&factors.y, &factors.cb, &factors.cr};
   for (int channel = 0; channel < 3; ++channel) {
     const Factors& f = *channels[channel];
+    if (f.components() == 0) continue;
     const Matrix tables = grid && !factors.on_grid ? mapTables(f.basis, resample_light, resample_view) : f.basis;
     for (int c = 0; c < f.components(); ++c) {
       const Place place = placeOf(channel, c, band.y_quads);
@@ -164,7 +165,7 @@ BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const Direct
   for (int channel = 0; channel < 3; ++channel) {
     Factors& f = *channels[channel];
     f = unpackChannel(band, grid, channel, lights.size(), views.size());
-    if (band.layout == TableLayout::kGrid)
+    if (band.layout == TableLayout::kGrid && f.components() > 0)
       f.basis = mapTables(f.basis, gridSampling(grid, lights), gridSampling(grid, views));
   }
   if (band.ratio)

@@ -146,7 +146,7 @@ key() { { cat "$BIN/loden"; printf '%s\0' "$@"; } | sha256sum | cut -c1-12; }
 
 # tool WHAT COMMAND...: runs a tool that shows its own progress; its data goes to the log.
 tool() {
-  local what=$1 log=$LOGS/demo.log
+  local what=$1 log=$LOGS/tools.log
   shift
   say "$what"
   printf '+ %s\n' "$*" >>"$log"
@@ -178,19 +178,22 @@ cook_tile() {
 }
 
 verb_demo() {
-  build loden loden_walk
-  mkdir -p "$LOGS" out/demo
-  : >"$LOGS/demo.log"
-  local tile baked asset scene=sample_game/gallery/gallery.gltf next
+  build loden loden_walk loden_gallery
+  mkdir -p "$LOGS" out/demo/scene
+  : >"$LOGS/tools.log"
+  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}  # llvmpipe, if that draws: 8-bit textures at full precision
+  local tile baked asset scene=$BUILD/gallery/gallery.gltf packed=out/demo/scene/gallery.gltf
   for tile in "${TILES[@]}"; do
     baked=$(bake_tile "$tile")
     asset=$(cook_tile "$tile" "$baked" fused --mode fused)
-    next=out/demo/gallery-$tile.gltf
-    tool "packing $tile into the gallery" "$BIN/loden" pack "$scene" --material "$tile" --asset "$asset" -o "$next"
-    scene=$next
+    tool "packing $tile into the gallery" "$BIN/loden" pack "$scene" --material "$tile" --asset "$asset" \
+      --fit-fallback -o "$packed"
+    scene=$packed
   done
-  tool "walking through the gallery" "$BIN/loden_walk" "$scene" --headless --size 800x800 --frames 60 \
-    --script sample_game/gallery/walk.json --capture out/demo/frames --report out/demo/report.json
+  rm -rf out/demo/frames
+  tool "walking through the gallery" "$BIN/loden_walk" "$packed" --headless --size 800x800 --frames 60 \
+    --script "$BUILD/gallery/walk.json" --capture out/demo/frames --contact-sheet out/demo/contact_sheet.png \
+    --report out/demo/report.json
   say "picture: $PWD/out/demo/contact_sheet.png"
 }
 
@@ -203,10 +206,54 @@ verb_test() {
   ctest --test-dir "$BUILD" --output-on-failure --parallel 2
 }
 
+# The benchmarks are the binaries named bench_*.
+verb_bench() {
+  build all
+  local bench found=0
+  for bench in "$BIN"/bench_*; do
+    [[ -x $bench ]] || continue
+    found=1
+    "$bench"
+  done
+  ((found)) || die "this version has no benchmarks"
+}
+
+verb_studies() {
+  build loden
+  mkdir -p out/studies
+  local study
+  : >"$LOGS/tools.log"
+  for study in $("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p'); do
+    tool "study $study" "$BIN/loden" study "$study" --bakes out/studies/bakes --json "out/studies/$study.json" \
+      --csv "out/studies/$study.csv"
+  done
+  say "tables and JSON: $PWD/out/studies, text in $LOGS/tools.log"
+}
+
+verb_pictures() {
+  build loden loden_walk picture_grid
+  mkdir -p "$LOGS" out/pictures
+  : >"$LOGS/tools.log"
+  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}
+  local tile baked surface lod fused
+  {
+    echo '| tile | camera | mode | PSNR, dB | mean FLIP |'
+    echo '|---|---|---|---|---|'
+  } | tee out/pictures/table.md
+  for tile in "${TILES[@]}"; do
+    baked=$(bake_tile "$tile")
+    surface=$(cook_tile "$tile" "$baked" surface --mode surface)
+    lod=$(cook_tile "$tile" "$baked" lod --mode lod --preset seed)
+    fused=$(cook_tile "$tile" "$baked" fused --mode fused)
+    tests/studies/pictures.sh "$BIN" out/pictures "$tile" "$surface" "$lod" "$fused"
+  done | tee -a out/pictures/table.md
+  say "table: $PWD/out/pictures/table.md, pictures beside it"
+}
+
 verb_clean() { rm -rf build out; }
 
 case ${1:-help} in
-  demo | test | build | clean)
+  demo | test | bench | studies | pictures | build | clean)
     (($# == 1)) || die "the verb $1 takes no arguments"
     "verb_$1"
     ;;

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Ray traced truth beside what loden_walk draws in the three modes, near and far.
+# usage: pictures.sh BIN OUT TILE SURFACE.loden LOD.loden FUSED.loden
+# Writes OUT/TILE-<camera>-<mode>.png, OUT/TILE.png (rows near, far; columns truth, surface, lod, fused) and
+# prints one Markdown table row per mode and camera.
+set -euo pipefail
+readonly bin=$1 out=$2 tile=$3
+readonly -A assets=([surface]=$4 [lod]=$5 [fused]=$6)
+readonly size=480x480 light=45,60
+here=$(dirname "${BASH_SOURCE[0]}")
+mkdir -p "$out"
+
+pictures=()
+for camera in near far; do
+  common=(--surface plane --camera "$here/cameras/$camera.json" --light "$light" --size "$size")
+  truth=$out/$tile-$camera-truth.png
+  [[ -e $truth ]] || "$bin/loden" -q trace "builtin:$tile" -o "$truth" "${common[@]}" --spp 64 >&2
+  pictures+=("$truth")
+  for mode in surface lod fused; do
+    capture=$out/$tile-$camera-$mode
+    "$bin/loden_walk" --asset "${assets[$mode]}" "${common[@]}" --headless --frames 1 --capture "$capture" -q >&2
+    picture=$(find "$capture" -name '*.png' -print -quit)
+    pictures+=("$picture")
+    difference=$("$bin/loden" -q compare "$truth" "$picture")
+    psnr=$(sed -n 's/.*PSNR \([^ ]*\) dB.*/\1/p' <<<"$difference")
+    flip=$(sed -n 's/.*FLIP mean \([^, ]*\).*/\1/p' <<<"$difference")
+    printf '| %s | %s | %s | %s | %.3f |\n' "$tile" "$camera" "$mode" "$psnr" "$flip"
+  done
+done
+"$bin/picture_grid" "$out/$tile.png" 4 "${pictures[@]}"

@@ -79,7 +79,8 @@ void ProgramCache::store(uint64_t key, const GlProgram& program) const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   // Written aside and renamed, so that another process never reads half a file.
-  const std::filesystem::path temporary = path(key) += "." + std::to_string(std::random_device{}()) + ".part";
+  std::filesystem::path temporary = path(key);
+  temporary += std::to_string(std::random_device{}());
   {
     std::ofstream file(temporary, std::ios::binary);
     file.write(reinterpret_cast<const char*>(&header), sizeof header);

@@ -1,19 +1,20 @@
 #include "runtime/shader_variants.h"
 
 #include "material/check.h"
+#include "shaders/loden_shared.h"
 
 namespace loden::runtime {
 namespace {
 
 struct LookupName {
   Lookup lookup;
-  const char* define;
+  const char* define;  // null: none
   const char* name;
 };
-constexpr LookupName kLookups[] = {{Lookup::kNone, "LODEN_LOOKUP_NONE", "none"},
-                                   {Lookup::kPaper, "LODEN_LOOKUP_PAPER", "paper"},
-                                   {Lookup::kFast, "LODEN_LOOKUP_FAST", "fast"},
-                                   {Lookup::kDefault, "LODEN_LOOKUP_DEFAULT", "default"}};
+constexpr LookupName kLookups[] = {{Lookup::kNone, nullptr, "none"},
+                                   {Lookup::kPaper, "LODEN_LOOKUP_PAPER 1", "paper"},
+                                   {Lookup::kFast, "LODEN_LOOKUP_FAST 1", "fast"},
+                                   {Lookup::kDefault, "LODEN_LOOKUP_DEFAULT 1", "default"}};
 
 const LookupName& lookupName(Lookup lookup) {
   LODEN_CHECK_LT(size_t(lookup), std::size(kLookups));
@@ -31,34 +32,37 @@ const ProgramRow* findProgramRow(std::string_view name) {
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   switch (variant.kind) {
     case MaterialVariant::Kind::kNone: return row.none && variant == MaterialVariant{};
-    case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0;
-    case MaterialVariant::Kind::kBands: return row.bands && variant.bands >= 1 && variant.bands <= kMaxShaderBands;
+    case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0 && !variant.nearest_tables;
+    case MaterialVariant::Kind::kBands:
+      // The published VDIM and the nearest-direction images share texture units.
+      return row.bands && variant.bands >= 1 && variant.bands <= LODEN_MAX_BANDS &&
+             !(variant.nearest_tables && variant.lookup == Lookup::kPaper);
   }
   return false;
 }
 
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
   std::vector<MaterialVariant> variants;
-  if (row.none) variants.push_back({});
+  const auto addIfAllowed = [&](const MaterialVariant& variant) {
+    if (rowAllows(row, variant)) variants.push_back(variant);
+  };
+  addIfAllowed({});
   for (const LookupName& lookup : kLookups)
     for (const bool counted : {false, true}) {
-      if (row.surface) variants.push_back({MaterialVariant::Kind::kSurface, 0, lookup.lookup, counted});
-      for (uint8_t bands = 1; row.bands && bands <= kMaxShaderBands; ++bands)
-        variants.push_back({MaterialVariant::Kind::kBands, bands, lookup.lookup, counted});
+      addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup.lookup, false, counted});
+      for (const bool nearest : {false, true})
+        for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
+          addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup.lookup, nearest, counted});
     }
   return variants;
 }
 
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
-  if (variant.kind == MaterialVariant::Kind::kNone) return {};
   std::vector<std::string> defines;
-  if (variant.kind == MaterialVariant::Kind::kSurface) {
-    defines.push_back("LODEN_MODE_SURFACE 1");
-  } else {
-    defines.push_back("LODEN_MODE_BANDS 1");
-    defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
-  }
-  defines.push_back(std::string(lookupName(variant.lookup).define) + " 1");
+  if (variant.kind == MaterialVariant::Kind::kSurface) defines.push_back("LODEN_MODE_SURFACE 1");
+  if (variant.kind == MaterialVariant::Kind::kBands) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
+  if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
+  if (const char* define = lookupName(variant.lookup).define) defines.push_back(define);
   if (variant.count_fetches) defines.push_back("LODEN_COUNT_FETCHES 1");
   return defines;
 }
@@ -66,6 +70,7 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
 std::string variantName(const MaterialVariant& variant) {
   if (variant.kind == MaterialVariant::Kind::kNone) return "plain";
   std::string name = variant.kind == MaterialVariant::Kind::kSurface ? "surface" : "bands" + std::to_string(variant.bands);
+  if (variant.nearest_tables) name += "-nearest";
   name += std::string("-") + lookupName(variant.lookup).name;
   return variant.count_fetches ? name + "-counted" : name;
 }

@@ -19,11 +19,10 @@ struct MaterialVariant {
   Kind kind = Kind::kNone;  // kNone: the program shades no Loden material
   uint8_t bands = 0;        // of kBands
   Lookup lookup = Lookup::kNone;
-  bool count_fetches = false;  // the instrumented variant
+  bool nearest_tables = false;  // of kBands: tables are read at the nearest sampled pair
+  bool count_fetches = false;   // the instrumented variant
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };
-
-inline constexpr int kMaxShaderBands = 8;
 
 // One row: two entry files and the material variants they may be built for.
 struct ProgramRow {
@@ -32,12 +31,12 @@ struct ProgramRow {
   std::string_view defines;           // one more define, "NAME VALUE", or empty
   bool none = false;     // may be built without a material
   bool surface = false;  // for surface materials
-  bool bands = false;    // for 1 .. kMaxShaderBands bands
+  bool bands = false;    // for 1 .. LODEN_MAX_BANDS bands
 };
 
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", "", true, false, false},
-    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "", true, true, true},
+    {"scene_forward", "scene_mesh.vert.glsl", "scene_mesh.frag.glsl", "", true, true, true},
 };
 
 // A row by name; null if there is none.
@@ -45,7 +44,7 @@ const ProgramRow* findProgramRow(std::string_view name);
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant);
 // All variants that the row allows, for compiling every one of them in a test.
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row);
-// "LODEN_MODE_BANDS", "LODEN_BANDS 4", "LODEN_LOOKUP_DEFAULT" ...; one per line of `#define`.
+// "LODEN_BANDS 4", "LODEN_LOOKUP_DEFAULT 1" ...: what follows `#define`.
 std::vector<std::string> variantDefines(const MaterialVariant& variant);
 // "bands4-default-counted"
 std::string variantName(const MaterialVariant& variant);

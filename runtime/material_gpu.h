@@ -1,0 +1,70 @@
+// The GPU side of one material: its uniform block, the textures of its resident parts, and what stands in for
+// those that are absent. Private to the runtime.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "material/material.h"
+#include "runtime/gl_objects.h"
+#include "runtime/material_data.h"
+#include "runtime/material_parts.h"
+
+namespace loden::runtime {
+
+// Textures that all materials share: one texel of nothing per target, and nearest-direction images.
+class SharedTextures {
+ public:
+  void create();
+  void contextLost();
+  // One name per unit, for units that hold no part.
+  std::array<uint32_t, LODEN_UNIT_FIRST_FREE> emptyUnits(const MaterialVariant& variant) const;
+  // GL name of the image of nearestDirectionLookup; made at the first call for a set.
+  uint32_t nearestImage(const DirectionSet& set);
+
+ private:
+  GlTexture empty_2d_, empty_array_, empty_volume_, empty_index_;
+  std::map<std::string, GlTexture> nearest_;
+};
+
+class MaterialGpu {
+ public:
+  MaterialGpu() = default;
+  MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label, VdimAtlasSize atlas,
+              size_t parts);
+
+  // Makes block and stand-ins in the current context.
+  void create(SharedTextures& shared);
+  void contextLost();
+
+  // A part's textures, in the order of its LoadedPart; units are taken from there.
+  void setPart(size_t part, std::vector<GlTexture> textures, const LoadedPart& loaded);
+  void dropPart(size_t part);
+
+  // Writes the block if the state differs from what it holds.
+  void publish(const ResidentState& state);
+  // Binds block and textures; samplers of these units are set to none.
+  void bind() const;
+
+ private:
+  struct PartTextures {
+    std::vector<GlTexture> textures;
+    std::vector<int> units;
+  };
+  void createSurfaceStandIns();
+
+  const Material* material_ = nullptr;
+  MaterialVariant variant_;
+  std::string label_;
+  LodenMaterialData data_{};
+  ResidentState published_;
+  bool written_ = false;
+  GlBuffer block_;
+  std::vector<PartTextures> parts_;
+  std::vector<GlTexture> stand_ins_;
+  std::array<uint32_t, LODEN_UNIT_FIRST_FREE> empty_{}, bound_{};
+};
+
+}  // namespace loden::runtime

@@ -1,0 +1,315 @@
+#include "runtime/material_system.h"
+
+#include <algorithm>
+#include <deque>
+#include <vector>
+
+#include "material/check.h"
+#include "material/issues.h"
+#include "runtime/gl_state.h"
+#include "runtime/gl_texture.h"
+#include "runtime/material_gpu.h"
+#include "runtime/residency.h"
+#include "runtime/streaming.h"
+
+namespace loden::runtime {
+namespace {
+
+constexpr uint32_t kIndexBits = 20;
+constexpr uint32_t kMaxMaterials = (1u << kIndexBits) - 2;
+
+// A part on its way to the GPU.
+struct UploadJob {
+  PartTicket ticket;
+  LoadedPart part;
+  std::vector<GlTexture> textures;  // allocated one by one
+  TextureUpload upload;             // of textures.back()
+};
+
+struct Slot {
+  bool alive = false;
+  uint32_t generation = 0;
+  std::string name;
+  std::shared_ptr<const AssetFile> file;
+  MaterialVariant variant;
+  VdimAtlasSize atlas;
+  std::vector<PartPlan> plan;
+  std::vector<uint64_t> serials;  // per part: of the request that counts
+  MaterialGpu gpu;
+};
+
+struct Demand {
+  uint32_t slot;
+  float lambda;
+};
+
+}  // namespace
+
+struct MaterialSystem::Impl {
+  Impl(const Device& d, const MaterialSystemOptions& o) : device(&d), options(o), residency(residencyOptions(o)) {}
+
+  static ResidencyOptions residencyOptions(const MaterialSystemOptions& options) {
+    ResidencyOptions r;
+    r.budget_bytes = options.budget_bytes;
+    r.fade_levels_per_second = options.fade_levels_per_second;
+    return r;
+  }
+
+  const Slot& slotOf(MaterialId id) const {
+    LODEN_CHECK(id);
+    const uint32_t index = (id.value & ((1u << kIndexBits) - 1)) - 1;
+    LODEN_CHECK_LT(index, slots.size());
+    LODEN_CHECK(slots[index].alive);
+    LODEN_CHECK_EQ(slots[index].generation & 0xfffu, id.value >> kIndexBits);
+    return slots[index];
+  }
+  uint32_t indexOf(MaterialId id) const { return static_cast<uint32_t>(&slotOf(id) - slots.data()); }
+
+  void takeDeliveries();
+  void pumpUploads();
+  bool pumpJob(UploadJob& job, uint64_t& budget);
+  void finishJob(UploadJob& job);
+  void evict(PartRef ref);
+  void request(PartRef ref);
+  void publishAll();
+  ResidentState residentState(uint32_t index) const;
+  void countFrame();
+  bool current(const PartTicket& ticket) const {
+    const Slot& slot = slots[ticket.ref.slot];
+    return slot.alive && ticket.ref.part < slot.serials.size() && slot.serials[ticket.ref.part] == ticket.serial;
+  }
+
+  const Device* device;
+  MaterialSystemOptions options;
+  Residency residency;
+  SharedTextures shared;
+  std::vector<Slot> slots;  // index = residency slot
+  std::deque<UploadJob> uploads;
+  std::vector<Demand> demands, last_demands;
+  uint64_t next_serial = 1;
+  MaterialStats stats;
+  std::atomic<uint64_t> read_bytes{0};
+  LoadingThread loader;  // last: its thread reads the rest
+};
+
+Result<std::unique_ptr<MaterialSystem>> MaterialSystem::create(const Device& device,
+                                                               const MaterialSystemOptions& options) {
+  auto impl = std::make_unique<Impl>(device, options);
+  const GlPixelStateScope scope;
+  impl->shared.create();
+  return std::unique_ptr<MaterialSystem>(new MaterialSystem(std::move(impl)));
+}
+
+MaterialSystem::MaterialSystem(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MaterialSystem::~MaterialSystem() = default;
+
+Result<MaterialId> MaterialSystem::load(const std::filesystem::path& path) {
+  Result<std::unique_ptr<ByteSource>> source = openFileSource(path);
+  if (!source) return source.issue();
+  return load(std::shared_ptr<const ByteSource>(std::move(*source)), path.string());
+}
+
+Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source, const std::string& name) {
+  Impl& impl = *impl_;
+  auto counted = std::make_shared<CountingSource>(std::move(source), impl.read_bytes);
+  Result<AssetFile> opened = AssetFile::open(std::move(counted), name);
+  if (!opened) return opened.issue();
+  const auto file = std::make_shared<const AssetFile>(std::move(*opened));
+  Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
+  if (!variant) return variant.issue();
+  const VdimAtlasSize atlas = fitAtlas(impl.options.atlas_size, impl.options.budget_bytes);
+  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, atlas);
+  std::vector<PartDesc> descs;
+  for (const PartPlan& part : plan) descs.push_back(part.desc);
+  const uint32_t index = impl.residency.add(std::move(descs));
+  LODEN_CHECK_LT(index, kMaxMaterials);
+  if (index >= impl.slots.size()) impl.slots.resize(index + 1);
+
+  Slot& slot = impl.slots[index];
+  slot.alive = true;
+  slot.name = name;
+  slot.file = file;
+  slot.variant = *variant;
+  slot.atlas = atlas;
+  slot.plan = std::move(plan);
+  slot.serials.assign(slot.plan.size(), 0);
+  slot.gpu = MaterialGpu(file->skeleton(), *variant, name, atlas, slot.plan.size());
+  const GlPixelStateScope scope;
+  slot.gpu.create(impl.shared);
+  slot.gpu.publish(impl.residentState(index));
+  for (const PartPlan& part : slot.plan) impl.stats.total_bytes += part.desc.bytes;
+  ++impl.stats.materials;
+  return MaterialId{(slot.generation & 0xfffu) << kIndexBits | (index + 1)};
+}
+
+void MaterialSystem::unload(MaterialId id) {
+  Impl& impl = *impl_;
+  const uint32_t index = impl.indexOf(id);
+  Slot& slot = impl.slots[index];
+  for (uint32_t part = 0; part < slot.plan.size(); ++part) impl.loader.cancel({index, part});
+  std::erase_if(impl.uploads, [index](const UploadJob& job) { return job.ticket.ref.slot == index; });
+  const auto of_slot = [index](const Demand& demand) { return demand.slot == index; };
+  std::erase_if(impl.demands, of_slot);
+  std::erase_if(impl.last_demands, of_slot);
+  impl.residency.remove(index);
+  for (const PartPlan& part : slot.plan) impl.stats.total_bytes -= part.desc.bytes;
+  --impl.stats.materials;
+  const uint32_t generation = slot.generation + 1;
+  slot = {};
+  slot.generation = generation;
+}
+
+MaterialVariant MaterialSystem::variant(MaterialId id) const { return impl_->slotOf(id).variant; }
+const Material& MaterialSystem::material(MaterialId id) const { return impl_->slotOf(id).file->skeleton(); }
+const MaterialStats& MaterialSystem::stats() const { return impl_->stats; }
+void MaterialSystem::bind(MaterialId id) { impl_->slotOf(id).gpu.bind(); }
+
+float MaterialSystem::residentLambda(MaterialId id) const {
+  return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
+}
+
+void MaterialSystem::demand(MaterialId id, float lambda) {
+  const uint32_t index = impl_->indexOf(id);
+  impl_->residency.demand(index, lambda);
+  impl_->demands.push_back({index, lambda});
+}
+
+void MaterialSystem::update(float seconds) {
+  Impl& impl = *impl_;
+  const GlPixelStateScope scope;
+  impl.takeDeliveries();
+  impl.pumpUploads();
+  const Residency::Actions& actions = impl.residency.advance(seconds);
+  for (PartRef ref : actions.evict) impl.evict(ref);
+  for (PartRef ref : actions.load) impl.request(ref);
+  impl.publishAll();
+  impl.countFrame();
+  impl.last_demands = std::exchange(impl.demands, {});
+}
+
+void MaterialSystem::finishLoading() {
+  Impl& impl = *impl_;
+  const std::vector<Demand> wanted = impl.demands.empty() ? impl.last_demands : impl.demands;
+  do {
+    if (impl.uploads.empty()) impl.loader.wait();
+    impl.demands.clear();
+    for (const Demand& demand : wanted) {
+      impl.residency.demand(demand.slot, demand.lambda);
+      impl.demands.push_back(demand);
+    }
+    update(1);
+  } while (!impl.residency.settled());
+}
+
+void MaterialSystem::contextLost() {
+  Impl& impl = *impl_;
+  for (UploadJob& job : impl.uploads)
+    for (GlTexture& texture : job.textures) texture.release();
+  impl.uploads.clear();
+  impl.shared.contextLost();
+  for (Slot& slot : impl.slots) {
+    slot.gpu.contextLost();
+    std::fill(slot.serials.begin(), slot.serials.end(), 0);  // what is being read no longer counts
+  }
+  impl.residency.dropAll();
+}
+
+Status MaterialSystem::contextRestored() {
+  Impl& impl = *impl_;
+  const GlPixelStateScope scope;
+  impl.shared.create();
+  for (uint32_t index = 0; index < impl.slots.size(); ++index) {
+    if (!impl.slots[index].alive) continue;
+    impl.slots[index].gpu.create(impl.shared);
+    impl.slots[index].gpu.publish(impl.residentState(index));
+  }
+  return {};
+}
+
+void MaterialSystem::Impl::takeDeliveries() {
+  for (LoadingThread::Delivery& delivery : loader.take()) {
+    if (!current(delivery.ticket)) continue;
+    if (delivery.part) {
+      uploads.push_back({delivery.ticket, std::move(*delivery.part), {}, {}});
+      continue;
+    }
+    Issue issue = delivery.part.issue();
+    issue.text += "; a coarser level is shown instead";
+    device->log(issue);
+    ++stats.failed_parts;
+    residency.failed(delivery.ticket.ref);
+  }
+}
+
+void MaterialSystem::Impl::pumpUploads() {
+  uint64_t budget = options.upload_bytes_per_frame;
+  while (!uploads.empty() && pumpJob(uploads.front(), budget)) {
+    finishJob(uploads.front());
+    uploads.pop_front();
+  }
+  stats.uploaded_last_frame = options.upload_bytes_per_frame - budget;
+  stats.uploaded_bytes += stats.uploaded_last_frame;
+}
+
+// True when all textures of the part are complete.
+bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
+  while (budget > 0) {
+    if (job.textures.empty()) {
+      const PartTexture& first = job.part.textures.front();
+      job.textures.push_back(allocateTexture(first, slots[job.ticket.ref.slot].name + " " + first.label));
+    }
+    const PartTexture& part = job.part.textures[job.textures.size() - 1];
+    if (!job.upload.step(part, job.textures.back().name(), budget)) continue;
+    if (job.textures.size() == job.part.textures.size()) return true;
+    const PartTexture& next = job.part.textures[job.textures.size()];
+    job.textures.push_back(allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label));
+    job.upload = {};
+  }
+  return false;
+}
+
+void MaterialSystem::Impl::finishJob(UploadJob& job) {
+  slots[job.ticket.ref.slot].gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
+  residency.arrived(job.ticket.ref);
+}
+
+void MaterialSystem::Impl::evict(PartRef ref) {
+  Slot& slot = slots[ref.slot];
+  slot.serials[ref.part] = 0;
+  slot.gpu.dropPart(ref.part);
+  loader.cancel(ref);
+  std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
+  ++stats.evicted_parts;
+}
+
+void MaterialSystem::Impl::request(PartRef ref) {
+  Slot& slot = slots[ref.slot];
+  slot.serials[ref.part] = next_serial++;
+  loader.request({{ref, slot.serials[ref.part]}, slot.file, slot.plan[ref.part], slot.atlas, options.atlas_threads});
+}
+
+ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
+  const Slot& slot = slots[index];
+  ResidentState state{residency.publishedLambda(index), false, 0};
+  for (uint32_t part = 0; part < slot.plan.size(); ++part) {
+    if (!residency.resident({index, part})) continue;
+    if (slot.plan[part].kind == PartKind::kBand) state.bands |= 1u << slot.plan[part].band;
+    if (slot.plan[part].kind == PartKind::kGeometry) state.geometry = true;
+  }
+  return state;
+}
+
+void MaterialSystem::Impl::publishAll() {
+  for (uint32_t index = 0; index < slots.size(); ++index)
+    if (slots[index].alive) slots[index].gpu.publish(residentState(index));
+}
+
+void MaterialSystem::Impl::countFrame() {
+  stats.resident_bytes = residency.committedBytes();
+  stats.peak_bytes = std::max(stats.peak_bytes, stats.resident_bytes);
+  stats.parts_resident = residency.residentParts();
+  stats.parts_in_flight = residency.loadingParts();
+  stats.read_bytes = read_bytes;
+}
+
+}  // namespace loden::runtime

@@ -1,0 +1,76 @@
+// The loading thread: reads parts of assets while frames go on. Private to the runtime; no GL.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "runtime/material_parts.h"
+
+namespace loden::runtime {
+
+// Counts the bytes read through it.
+class CountingSource final : public ByteSource {
+ public:
+  CountingSource(std::shared_ptr<const ByteSource> source, std::atomic<uint64_t>& count)
+      : source_(std::move(source)), count_(&count) {}
+  uint64_t size() const override { return source_->size(); }
+  Status read(uint64_t offset, std::span<std::byte> into) const override {
+    *count_ += into.size();
+    return source_->read(offset, into);
+  }
+
+ private:
+  std::shared_ptr<const ByteSource> source_;
+  std::atomic<uint64_t>* count_;
+};
+
+// One part asked for. The serial tells this request from earlier ones for the same part.
+struct PartTicket {
+  PartRef ref;
+  uint64_t serial = 0;
+};
+
+class LoadingThread {
+ public:
+  struct Request {
+    PartTicket ticket;
+    std::shared_ptr<const AssetFile> file;
+    PartPlan plan;
+    VdimAtlasSize atlas;
+    int atlas_threads = 1;
+  };
+  struct Delivery {
+    PartTicket ticket;
+    Result<LoadedPart> part;
+  };
+
+  LoadingThread();
+  ~LoadingThread();  // finishes the part in hand, drops the rest
+
+  // Requests are served in order.
+  void request(Request request);
+  // Drops what has not been begun.
+  void cancel(PartRef ref);
+  // What has been delivered since the last call; never waits.
+  std::vector<Delivery> take();
+  // Blocks until a delivery is there or nothing is under way.
+  void wait();
+
+ private:
+  void run();
+
+  std::mutex mutex_;
+  std::condition_variable wake_thread_, wake_owner_;
+  std::deque<Request> requests_;
+  std::vector<Delivery> deliveries_;
+  bool working_ = false, stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace loden::runtime

@@ -26,6 +26,7 @@ struct AssetLimits {
   static constexpr uint32_t kMaxGridSide = 256;       // rows, and columns, of a direction grid
   static constexpr uint32_t kMaxLambda = 32;          // levels of detail
   static constexpr uint32_t kMaxNameBytes = 256;      // material name
+  static constexpr uint32_t kMaxHeadBytes = 131072;   // raw HEAD; no valid record is longer
   static constexpr uint32_t kMaxMetaBytes = 1048576;  // text about the cooking
   static constexpr uint32_t kMaxChunkBytes = 2147483648;  // one chunk, stored or raw
   static constexpr uint32_t kMaxRatio = 1000;             // raw : stored

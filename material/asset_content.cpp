@@ -11,9 +11,6 @@ namespace {
 
 using Limits = AssetLimits;
 
-// No valid record is longer: 32 bands of 128 quads and 512 directions take less.
-constexpr uint64_t kMaxHeadBytes = 131072;
-
 bool isKnown(uint32_t type) {
   return type == kHead || type == kBand || type == kGeom || type == kVdim || type == kSurf || type == kMeta;
 }
@@ -64,8 +61,9 @@ bool readHeader(const ByteSource& source, Contents& contents, IssueList& issues)
     issues.add(issue_id::kMissingChunk, place, "the first chunk is not HEAD");
     return false;
   }
-  if (chunk.raw_bytes > kMaxHeadBytes) {
-    issues.add(issue_id::kLimit, place, join(chunk.raw_bytes, " raw bytes; the limit is ", kMaxHeadBytes));
+  if (chunk.raw_bytes > Limits::kMaxHeadBytes) {
+    issues.add(issue_id::kLimit, place,
+               join(chunk.raw_bytes, " raw bytes; the limit is ", Limits::kMaxHeadBytes));
     return false;
   }
   const Result<std::vector<std::byte>> record = readRaw(source, chunk, issues.where(place));

@@ -1,0 +1,414 @@
+// Every issue that the container can raise, each provoked by an input, in writer and reader alike.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "material/asset.h"
+#include "material/asset_check.h"
+#include "material/asset_chunks.h"
+#include "material/asset_header.h"
+#include "material/issues.h"
+#include "tests/unit/material_fixtures.h"
+
+namespace loden {
+namespace {
+
+using namespace asset;  // NOLINT: forges files from the container's own pieces
+using Bytes = std::vector<std::byte>;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+struct RawChunk {
+  uint32_t type;
+  Bytes raw;
+  uint32_t flags = kFlagCritical;
+};
+
+// The chunks of a material as the writer would lay them out, without its checks.
+std::vector<RawChunk> rawChunks(const Material& material) {
+  std::vector<RawChunk> chunks;
+  for (const Part& part : partsOf(material)) {
+    RawChunk chunk{part.type, {}};
+    if (part.type == kHead) chunk.raw = encodeHeader(material);
+    if (part.type == kMeta) {
+      const auto text = std::as_bytes(std::span(material.meta_json));
+      chunk = {kMeta, {text.begin(), text.end()}, 0};
+    }
+    for (const Texture* t : partTextures(material, part)) {
+      chunk.raw.insert(chunk.raw.end(), t->data.begin(), t->data.end());
+    }
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
+}
+
+Bytes assemble(const std::vector<RawChunk>& raw,
+               const std::function<void(std::vector<ChunkInfo>&)>& forge = {}) {
+  std::vector<ChunkInfo> chunks;
+  std::vector<Bytes> stored;
+  for (const RawChunk& chunk : raw) {
+    ChunkInfo info{chunk.type, chunk.flags};
+    stored.push_back(std::move(*packChunk(chunk.raw, info)));
+    chunks.push_back(info);
+  }
+  uint64_t offset = alignUp(kPreambleBytes + chunks.size() * kEntryBytes);
+  for (ChunkInfo& chunk : chunks) {
+    chunk.offset = offset;
+    offset = alignUp(offset + chunk.stored_bytes);
+  }
+  const std::vector<ChunkInfo> honest = chunks;
+  if (forge) forge(chunks);
+  Bytes file = encodeChunkTable(chunks);
+  for (size_t i = 0; i < stored.size(); ++i) {
+    file.resize(std::max<size_t>(file.size(), honest[i].offset));
+    file.insert(file.end(), stored[i].begin(), stored[i].end());
+  }
+  return file;
+}
+
+std::string listed(const std::vector<Issue>& issues) {
+  std::ostringstream text;
+  for (const Issue& issue : issues) text << issue.id << " " << issue.where << ": " << issue.text << "\n";
+  return text.str();
+}
+
+// Both readers name the issue, and the message has a place and a text.
+void expectRejected(const Bytes& file, int id) {
+  const std::vector<Issue> issues = validateAsset(file, "test");
+  const auto found =
+      std::find_if(issues.begin(), issues.end(), [id](const Issue& issue) { return issue.id == id; });
+  ASSERT_NE(found, issues.end()) << "no issue " << id << " among\n" << listed(issues);
+  EXPECT_EQ(found->where.substr(0, 4), "test");
+  EXPECT_FALSE(found->text.empty());
+  EXPECT_FALSE(parseAsset(file, "test").ok());
+}
+
+// --- the container ---
+
+using Chunks = std::vector<ChunkInfo>;
+
+void expectForgedTableRejected(int id, const std::function<void(Chunks&)>& forge) {
+  expectRejected(assemble(rawChunks(test::fusedMaterial()), forge), id);
+}
+
+TEST(AssetIssues, ForgedFilesAreWhatTheWriterWritesIfNothingIsForged) {
+  const Material material = test::fusedMaterial();
+  EXPECT_TRUE(assemble(rawChunks(material)) == *serializeAsset(material));
+}
+
+TEST(AssetIssues, Magic) {
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  file[8] = std::byte{'\n'};  // as a copy in text mode would
+  expectRejected(file, issue_id::kMagic);
+  expectRejected(Bytes(100, std::byte{0}), issue_id::kMagic);
+}
+
+TEST(AssetIssues, Version) {
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  file[12] = std::byte{2};
+  expectRejected(file, issue_id::kVersion);
+}
+
+TEST(AssetIssues, Truncated) {
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  file.pop_back();
+  expectRejected(file, issue_id::kTruncated);
+  expectRejected({}, issue_id::kTruncated);
+}
+
+TEST(AssetIssues, ChunkTable) {
+  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].flags = 3; });
+  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].offset += 4; });
+  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].raw_bytes = 0; });
+  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].codec = kCodecStored; });
+  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].flags = 0; });
+  expectForgedTableRejected(issue_id::kChunkTable,
+                            [](Chunks& chunks) { chunks.back().flags = kFlagCritical; });
+}
+
+TEST(AssetIssues, ChunkChecksum) {
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  file.back() ^= std::byte{1};
+  expectRejected(file, issue_id::kChunkChecksum);
+  expectForgedTableRejected(issue_id::kChunkChecksum, [](Chunks& chunks) { chunks[2].hash ^= 1; });
+  Bytes table = *serializeAsset(test::fusedMaterial());
+  table[kPreambleBytes + 40] ^= std::byte{1};
+  expectRejected(table, issue_id::kChunkChecksum);
+}
+
+TEST(AssetIssues, ChunkCodec) {
+  expectForgedTableRejected(issue_id::kChunkCodec, [](Chunks& chunks) { chunks[1].codec = 2; });
+  std::vector<RawChunk> chunks = rawChunks(test::lodMaterial());
+  // Noise is stored as it is, and is no zstd frame.
+  expectRejected(assemble(chunks, [](Chunks& infos) { infos.back().codec = kCodecZstd; }),
+                 issue_id::kChunkCodec);
+}
+
+TEST(AssetIssues, UnknownCritical) {
+  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
+  chunks.insert(chunks.begin() + 2, {fourCharacters("NEWS"), Bytes(100, std::byte{7}), kFlagCritical});
+  expectRejected(assemble(chunks), issue_id::kUnknownCritical);
+}
+
+TEST(AssetIssues, UnknownOptionalIsSkipped) {
+  const Material material = test::fusedMaterial();
+  for (const size_t place : {size_t{1}, size_t{3}, rawChunks(material).size()}) {
+    std::vector<RawChunk> chunks = rawChunks(material);
+    chunks.insert(chunks.begin() + static_cast<ptrdiff_t>(place),
+                  {fourCharacters("NEWS"), Bytes(100, std::byte{7}), 0});
+    const Bytes file = assemble(chunks);
+    EXPECT_EQ(listed(validateAsset(file, "test")), "");
+    const Result<Material> read = parseAsset(file, "test");
+    ASSERT_TRUE(read.ok());
+    test::expectSame(*read, material);
+  }
+}
+
+TEST(AssetIssues, Padding) {
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  uint64_t head = 0;
+  std::memcpy(&head, file.data() + kPreambleBytes + 16, sizeof head);
+  file[head - 1] = std::byte{1};
+  expectRejected(file, issue_id::kPadding);
+  expectForgedTableRejected(issue_id::kPadding, [](Chunks& chunks) { chunks.back().offset += 64; });
+}
+
+TEST(AssetIssues, Overlap) {
+  expectForgedTableRejected(issue_id::kOverlap, [](Chunks& chunks) { chunks[2].offset = chunks[1].offset; });
+  expectForgedTableRejected(issue_id::kOverlap, [](Chunks& chunks) { chunks[0].offset = 0; });
+}
+
+TEST(AssetIssues, Duplicate) {
+  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
+  chunks.push_back(chunks.back());
+  expectRejected(assemble(chunks), issue_id::kDuplicate);
+}
+
+TEST(AssetIssues, Trailing) {
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  file.push_back(std::byte{0});
+  expectRejected(file, issue_id::kTrailing);
+  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
+  chunks[0].raw.push_back(std::byte{0});
+  expectRejected(assemble(chunks), issue_id::kTrailing);
+}
+
+TEST(AssetIssues, Limit) {
+  expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) { chunks[1].raw_bytes = 1ull << 32; });
+  expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) { chunks[1].stored_bytes = ~0ull; });
+  expectForgedTableRejected(issue_id::kLimit,
+                            [](Chunks& chunks) { chunks[1].raw_bytes = chunks[1].stored_bytes * 1000 + 1; });
+  Bytes file = *serializeAsset(test::fusedMaterial());
+  file[16] = std::byte{85};
+  expectRejected(file, issue_id::kLimit);
+  file[16] = std::byte{0};
+  expectRejected(file, issue_id::kLimit);
+}
+
+TEST(AssetIssues, HeaderCountsAreCheckedBeforeTheyAreBelieved) {
+  const Material material = test::lodMaterial();
+  const Bytes head = encodeHeader(material);
+  // Each 32-bit field in turn becomes huge: an issue, quickly, and no allocation to match.
+  for (size_t at = 0; at + 4 <= head.size(); at += 4) {
+    std::vector<RawChunk> chunks = rawChunks(material);
+    std::memset(chunks[0].raw.data() + at, 0x7f, 4);
+    const Bytes file = assemble(chunks);
+    const Result<Material> read = parseAsset(file, "test");
+    if (read.ok()) {
+      EXPECT_LT(validateAsset(file, "test").size(), 1u);
+    }
+  }
+}
+
+TEST(AssetIssues, MissingChunk) {
+  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
+  chunks.erase(chunks.begin() + 2);
+  expectRejected(assemble(chunks), issue_id::kMissingChunk);
+  chunks.erase(chunks.begin());
+  expectRejected(assemble(chunks), issue_id::kMissingChunk);
+}
+
+TEST(AssetIssues, Order) {
+  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
+  std::swap(chunks[1], chunks[2]);
+  expectRejected(assemble(chunks), issue_id::kOrder);
+}
+
+// --- the material: the writer refuses what the readers refuse ---
+
+void expectBothReject(const Material& material, int id) {
+  const Result<Bytes> written = serializeAsset(material);
+  ASSERT_FALSE(written.ok()) << "the writer took it";
+  EXPECT_EQ(written.issue().id, id) << written.issue().where << ": " << written.issue().text;
+  expectRejected(assemble(rawChunks(material)), id);
+}
+
+using Change = std::function<void(Material&)>;
+
+void expectEachRejected(Material (*make)(), int id, std::initializer_list<Change> changes) {
+  int index = 0;
+  for (const Change& change : changes) {
+    SCOPED_TRACE("change " + std::to_string(index++));
+    Material material = make();
+    change(material);
+    expectBothReject(material, id);
+  }
+}
+
+TEST(AssetIssues, HeaderField) {
+  expectEachRejected(test::fusedMaterial, issue_id::kHeaderField,
+                     {
+                         [](Material& m) { m.mode = static_cast<Mode>(3); },
+                         [](Material& m) { m.mode = Mode::kSurface; },
+                         [](Material& m) { m.side = 0; },
+                         [](Material& m) { m.side = 16385; },
+                         [](Material& m) { m.side = -1; },
+                         [](Material& m) { m.lambda_min = -1; },
+                         [](Material& m) { m.lambda_max = kNan; },
+                         [](Material& m) { m.value_scale = 0; },
+                         [](Material& m) { m.value_scale = kInfinity; },
+                         [](Material& m) { m.theta_max = 2; },
+                         [](Material& m) { m.mean.ks = kNan; },
+                         [](Material& m) { m.mean.alpha = -1; },
+                         [](Material& m) { m.mean.chroma = static_cast<MeanChroma>(2); },
+                         [](Material& m) { m.grid.theta_max = kNan; },
+                         [](Material& m) { m.name = "a\nb"; },
+                         [](Material& m) { m.name = "\xC0\x80"; },
+                         [](Material& m) { m.meta_json = "\xED\xA0\x80"; },
+                         [](Material& m) { m.meta_json = std::string(1, '\0'); },
+                     });
+}
+
+TEST(AssetIssues, Directions) {
+  expectEachRejected(test::lodMaterial, issue_id::kDirections,
+                     {
+                         [](Material& m) { m.lights.kind = static_cast<DirectionSetKind>(5); },
+                         [](Material& m) { m.lights.kind = DirectionSetKind::kBonn81; },
+                         [](Material& m) { m.lights.kind = DirectionSetKind::kConcentric; },
+                         [](Material& m) { m.lights.side = 3; },
+                         [](Material& m) {
+                           m.views.samples[1] = {2, 0, 0};
+                         },
+                         [](Material& m) { m.views.samples[1].x = kNan; },
+                         [](Material& m) {
+                           m.views.samples[1] = {0, 0, -1};
+                         },
+                     });
+}
+
+TEST(AssetIssues, BandField) {
+  expectEachRejected(test::fusedMaterial, issue_id::kBandField,
+                     {
+                         [](Material& m) { m.bands[0].domain = static_cast<Domain>(2); },
+                         [](Material& m) { m.bands[0].filter = static_cast<WeightFilter>(2); },
+                         [](Material& m) { m.bands[0].layout = static_cast<TableLayout>(2); },
+                         [](Material& m) { m.bands[0].layout = TableLayout::kNearest; },
+                         [](Material& m) { m.mode = Mode::kLod; },
+                         [](Material& m) {
+                           m.bands[0].window = {0, 0, 1, 2};
+                         },
+                         [](Material& m) {
+                           m.bands[0].window = {0, 1, kNan, 2};
+                         },
+                         [](Material& m) {
+                           m.bands[0].window = {0, 1, 2, kInfinity};
+                         },
+                         [](Material& m) { m.bands[1].lambda_first = 33; },
+                         [](Material& m) { m.bands[0].quad_scale[0].z = kNan; },
+                         [](Material& m) { m.bands[0].ratio_scale.x = kInfinity; },
+                         [](Material& m) { m.bands[0].weights.format = TexelFormat::kRGBA8Unorm; },
+                         [](Material& m) { m.bands[0].weights.mips = 9; },
+                         [](Material& m) { m.bands[0].weights.depth = 1; },
+                         [](Material& m) { m.bands[0].table.width = 4; },
+                         [](Material& m) { m.grid.phis = 6; },
+                     });
+  Material spare = test::lodMaterial();
+  spare.bands[2].weights.data.back() = std::byte{1};
+  spare.bands[2].weights.data[spare.bands[2].weights.data.size() - 2] = std::byte{1};
+  expectBothReject(spare, issue_id::kBandField);
+}
+
+TEST(AssetIssues, BandsOutOfOrder) {
+  Material material = test::lodMaterial();
+  std::swap(material.bands[0], material.bands[1]);
+  expectBothReject(material, issue_id::kOrder);
+}
+
+TEST(AssetIssues, ExtentLimit) {
+  expectEachRejected(test::fusedMaterial, issue_id::kLimit,
+                     {
+                         [](Material& m) { m.bands[1].weights.height = 16385; },
+                         [](Material& m) { m.bands[1].weights.width = 0; },
+                     });
+}
+
+TEST(AssetIssues, MapField) {
+  expectEachRejected(test::surfaceMaterial, issue_id::kMapField,
+                     {
+                         [](Material& m) { m.geometry.range.z = -1; },
+                         [](Material& m) { m.geometry.range.x = kNan; },
+                         [](Material& m) { m.stored_vdim->zeniths = 1; },
+                         [](Material& m) { m.stored_vdim->range.y = kInfinity; },
+                         [](Material& m) { m.surface->specular_scale = kNan; },
+                         [](Material& m) { m.surface->normal.mips = 9; },
+                     });
+}
+
+TEST(AssetIssues, MapSize) {
+  // Texels that do not fill the extents: the writer sees the vector, the reader the chunk.
+  expectEachRejected(test::surfaceMaterial, issue_id::kMapSize,
+                     {
+                         [](Material& m) { m.geometry.texels.data.pop_back(); },
+                         [](Material& m) { m.surface->specular.data.resize(10); },
+                     });
+  expectEachRejected(test::fusedMaterial, issue_id::kMapSize,
+                     {[](Material& m) { m.bands[0].table.data.push_back(std::byte{0}); }});
+}
+
+TEST(AssetIssues, NonFiniteTexels) {
+  Material material = test::lodMaterial();
+  std::memcpy(material.bands[0].table.data.data() + 4, &kNan, sizeof kNan);
+  expectBothReject(material, issue_id::kNonFinite);
+
+  material = test::lodMaterial();
+  Band& band = material.bands[1];
+  band.weights = test::noiseTexture(TexelFormat::kRGBA16Sfloat, TextureShape::kArray2D, 4, 4, 3, 1, 1);
+  const uint16_t half_infinity = 0xfc00;
+  std::memcpy(band.weights.data.data() + 2, &half_infinity, sizeof half_infinity);
+  expectBothReject(material, issue_id::kNonFinite);
+}
+
+// --- the document ---
+
+TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
+  std::ifstream stream(std::string(LODEN_TESTS_DIR) + "/../material/FORMAT.md");
+  ASSERT_TRUE(stream.good());
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::map<std::string, uint64_t> documented;
+  const std::regex row(R"(\| (k[A-Za-z]+) \| ([0-9]+) \|)");
+  for (std::sregex_iterator match(text.begin(), text.end(), row), end; match != end; ++match) {
+    documented[(*match)[1]] = std::stoull((*match)[2]);
+  }
+  using Limits = AssetLimits;
+  const std::map<std::string, uint64_t> coded = {
+      {"kMaxSide", Limits::kMaxSide},           {"kMaxBands", Limits::kMaxBands},
+      {"kMaxQuads", Limits::kMaxQuads},         {"kMaxDirections", Limits::kMaxDirections},
+      {"kMaxGridSide", Limits::kMaxGridSide},   {"kMaxLambda", Limits::kMaxLambda},
+      {"kMaxNameBytes", Limits::kMaxNameBytes}, {"kMaxHeadBytes", Limits::kMaxHeadBytes},
+      {"kMaxMetaBytes", Limits::kMaxMetaBytes}, {"kMaxChunkBytes", Limits::kMaxChunkBytes},
+      {"kMaxRatio", Limits::kMaxRatio},         {"kTableEnd", Limits::kTableEnd},
+      {"kMaxChunks", Limits::kMaxChunks},       {"kAlignment", Limits::kAlignment},
+  };
+  EXPECT_EQ(documented, coded);
+}
+
+}  // namespace
+}  // namespace loden

@@ -1,0 +1,159 @@
+// The cooked modes on small synthetic BTFs.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "importer/fit/band_fit.h"
+#include "importer/fit/flat_fit.h"
+#include "importer/fit/measure.h"
+#include "importer/fit/meta.h"
+#include "importer/fit/modes.h"
+#include "importer/fit/ratio_fit.h"
+#include "material/color.h"
+#include "material/evaluate.h"
+#include "tests/unit/fit_synthetic.h"
+
+namespace loden::importer {
+namespace {
+
+double wave(glm::dvec2 p) { return 0.5 + 0.2 * std::sin(2 * kPi * p.x) + 0.15 * std::cos(2 * kPi * (p.x + 2 * p.y)); }
+
+// A Lambertian picture under the surface, seen with parallax: rank 1 in the flat domain, of high rank on the plane.
+glm::dvec2 parallax(glm::dvec2 x, const glm::dvec3& wo) { return x - 0.08 * glm::dvec2(wo) / wo.z; }
+SyntheticSource parallaxSource(int side) {
+  return {side, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
+            return glm::dvec3(0.9, 0.7, 0.4) * wave(parallax(x, wo)) * wi.z;
+          }};
+}
+
+TEST(CookLod, SeedHasThePublishedLayout) {
+  const SyntheticSource source = parallaxSource(16);
+  CookOptions options;
+  options.mode = Mode::kLod;
+  options.preset = Preset::kSeed;
+  options.levels = 3;
+  const auto m = cookLod(source, options);
+  ASSERT_TRUE(m.ok()) << m.issue().text;
+  ASSERT_EQ(m->bands.size(), 3u);
+  size_t tables = 0, weights = 0;
+  for (const Band& band : m->bands) {
+    EXPECT_EQ(band.layout, TableLayout::kNearest);
+    EXPECT_EQ(band.filter, WeightFilter::kNearest);
+    EXPECT_EQ(band.y_quads, 2);
+    EXPECT_EQ(band.chroma_quads, 1);
+    tables += band.table.data.size();
+    weights += band.weights.data.size();
+  }
+  EXPECT_EQ(tables, 48u * 81 * 81 * 3);              // 48 p q (lambda_max + 1)
+  EXPECT_EQ(weights, 64u * 16 * 16);                 // 64 r^2
+  for (double lambda : {0.0, 0.3, 1.0, 1.5, 2.0})    // w_k = clamp(1 - lambda + k, 0, 1)
+    for (int k = 0; k < 2; ++k)
+      EXPECT_NEAR(windowWeight(m->bands[size_t(k)].window, lambda), std::clamp(1 - lambda + k, 0.0, 1.0), 1e-12);
+  EXPECT_EQ(windowWeight(m->bands[2].window, 2.0), 1);
+}
+
+TEST(CookLod, RefusesLevelsThatDoNotDivide) {
+  CookOptions options;
+  options.preset = Preset::kSeed;
+  options.levels = 6;
+  EXPECT_FALSE(cookLod(parallaxSource(16), options).ok());
+}
+
+TEST(CookLod, RefusesValuesThatAreNotFinite) {
+  const SyntheticSource source(4, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3&) {
+    return glm::dvec3(x.x > 0.8 && x.y > 0.8 && wi.z == 1 ? NAN : 0.5);
+  });
+  const auto m = cookLod(source, {});
+  ASSERT_FALSE(m.ok());
+  EXPECT_NE(m.issue().text.find("light 0, texel (3, 3)"), std::string::npos) << m.issue().text;
+}
+
+// The algebra of measureError is what the evaluator computes.
+TEST(Measure, AgreesWithTheEvaluator) {
+  const SyntheticSource source = parallaxSource(4);
+  for (Preset preset : {Preset::kSeed, Preset::kGame, Preset::kReference}) {
+    CookOptions options;
+    options.preset = preset;
+    options.levels = preset == Preset::kSeed ? 2 : 0;
+    const auto m = cookLod(source, options);
+    ASSERT_TRUE(m.ok());
+    const auto btf = loadYcc(source, 0);
+    const DirectionSet& set = source.lights();
+    const BtfError error = measureError(*m, *btf, set, set, {}, 0);
+    const Evaluator evaluator(*m);
+    double squares = 0;
+    for (int v = 0; v < 81; ++v)
+      for (int l = 0; l < 81; ++l)
+        for (int t = 0; t < 16; ++t) {
+          const glm::dvec2 x = glm::dvec2(t % 4 + 0.5, t / 4 + 0.5) / 4.0;
+          const glm::dvec3 wi = set.samples[size_t(l)], wo = set.samples[size_t(v)];
+          const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo);
+          const glm::dvec3 truth = glm::dvec3(0.9, 0.7, 0.4) * wave(parallax(x, wo)) * wi.z;
+          const double d = glm::dot(value - truth, glm::dvec3(0.299, 0.587, 0.114));
+          squares += d * d;
+        }
+    const double rmse = std::sqrt(squares / (81.0 * 81 * 16));
+    EXPECT_NEAR(error.channel[0].rmse(), rmse, 2e-5 + 1e-3 * rmse);
+  }
+}
+
+TEST(FlatFit, OneComponentGivesBackAPictureUnderParallax) {
+  const SyntheticSource source = parallaxSource(16);
+  const auto btf = loadYcc(source, 0);
+  const Indirection a = makeIndirection(16, 32, source.views(), parallax, 0);
+  FlatFitOptions options;
+  options.components = 1;
+  options.smoothness = 1e-7;
+  options.cg_steps = 30;
+  const FlatFit fit = fitFlat(channelBlocks(*btf, 0), a, options);
+  EXPECT_LT(fit.rmse, 2e-3);  // bilinear reading of a sine over 32 texels
+  // On the reference plane the same data needs many components.
+  const Factors plane = leadingFactors(channelBlocks(*btf, 0), 1, 0);
+  double energy = 0, kept = 0;
+  Matrix block;
+  for (int v = 0; v < 81; ++v) {
+    btf->read(0, v, block);
+    for (double value : block.data) energy += value * value;
+  }
+  for (double w : plane.weights.data) kept += w * w;
+  EXPECT_GT(std::sqrt((energy - kept) / (256.0 * 6561)), 0.02);
+
+  const PhongMean none;
+  const Matrix mean(6561, 3);
+  const auto ratios = fitRatios(*btf, fit.factors, mean, none, a, 0);
+  const glm::dvec3 ycc = yccFromRgb(glm::dvec3(0.9, 0.7, 0.4));
+  for (const glm::dvec2& r : ratios) {
+    EXPECT_NEAR(r.x, ycc.y / ycc.x, 2e-3);
+    EXPECT_NEAR(r.y, ycc.z / ycc.x, 2e-3);
+  }
+}
+
+TEST(FlatFit, TexelsThatNoViewSeesStayFinite) {
+  const SyntheticSource source = parallaxSource(8);
+  const auto btf = loadYcc(source, 0);
+  const auto halfSeen = [](glm::dvec2 x, const glm::dvec3&) { return glm::dvec2(x.x * 0.5, x.y); };
+  const Indirection a = makeIndirection(8, 8, source.views(), halfSeen, 0);
+  FlatFitOptions options;
+  options.components = 4;
+  const FlatFit fit = fitFlat(channelBlocks(*btf, 0), a, options);
+  for (double w : fit.factors.weights.data) ASSERT_TRUE(std::isfinite(w));
+  for (double e : fit.factors.basis.data) ASSERT_TRUE(std::isfinite(e));
+}
+
+TEST(MeanFirst, KeepsTheAverageExactThroughMips) {
+  const SyntheticSource source = parallaxSource(8);
+  const auto m = cookLod(source, {});
+  ASSERT_TRUE(m.ok());
+  const Evaluator evaluator(*m);
+  const glm::dvec3 wi = source.lights().samples[30], wo = source.views().samples[50];
+  glm::dvec3 mean(0);
+  for (int t = 0; t < 64; ++t)
+    mean += glm::dvec3(0.9, 0.7, 0.4) * wave(parallax(glm::dvec2(t % 8 + 0.5, t / 8 + 0.5) / 8.0, wo)) * wi.z / 64.0;
+  const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3), 10.0, wo), wi, wo);
+  EXPECT_NEAR(value.x, mean.x, 0.002);  // 8-bit tables
+  EXPECT_NEAR(value.y, mean.y, 0.002);
+}
+
+}  // namespace
+}  // namespace loden::importer

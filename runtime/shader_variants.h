@@ -36,7 +36,7 @@ struct ProgramRow {
 
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", "", true, false, false},
-    {"scene_forward", "scene_mesh.vert.glsl", "scene_mesh.frag.glsl", "", true, true, true},
+    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "", true, true, true},
 };
 
 // A row by name; null if there is none.

@@ -100,11 +100,13 @@ Result<std::vector<double>> parseNumbers(const std::string& option, const std::s
   return numbers;
 }
 
-Result<glm::dvec3> parseDirection(const std::string& option, const std::string& text) {
+Result<glm::dvec3> parseDirection(const std::string& option, const std::string& text, DirectionRange range) {
   const auto degrees = parseNumbers(option, text, 2);
   if (!degrees) return badOption(option, text, "THETA,PHI in degrees, for example 30,45");
   const double theta = (*degrees)[0], phi = (*degrees)[1];
-  if (theta < 0 || theta >= 90) return badOption(option, text, "above the horizon: theta runs from 0 to below 90 degrees");
+  const bool hemisphere = range == DirectionRange::kHemisphere;
+  if (theta < 0 || theta > 180 || (hemisphere && theta >= 90))
+    return badOption(option, text, hemisphere ? "above the horizon: theta runs from 0 to below 90 degrees" : "a direction: theta runs from 0 to 180 degrees");
   return directionFromSpherical({theta * kPi / 180, phi * kPi / 180});
 }
 

@@ -61,7 +61,7 @@ class TraceCommand : public Command {
   }
 
   int run(const GlobalOptions& globals) override {
-    const auto light = parseDirection("--light", light_);
+    const auto light = parseDirection("--light", light_, DirectionRange::kSphere);
     if (!light) return fail(light.issue());
     const auto size = parseExtent("--size", size_);
     if (!size) return fail(size.issue());

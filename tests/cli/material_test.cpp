@@ -1,0 +1,152 @@
+// The verbs that read and write materials, on real and on damaged files.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/loden_fixture.h"
+
+namespace loden::test {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(Bake, TileWithoutUvs_IsInvalidInput) {
+  const ScratchFolder scratch;
+  writeText(scratch / "tile.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+  const ToolRun run = loden({"bake", scratch / "tile.obj", "-o", scratch / "out", "-q"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_NE(run.err.find("tile.obj"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+}
+
+TEST(Bake, GltfWithoutUvs_IsInvalidInput) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  std::string text = fileText(scratch / "scene.gltf");
+  text.replace(text.find(", \"TEXCOORD_0\": 1"), 17, "");
+  writeText(scratch / "scene.gltf", text);
+  const ToolRun run = loden({"bake", scratch / "scene.gltf", "-o", scratch / "out", "-q"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_NE(run.err.find("TEXCOORD_0"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+}
+
+TEST(Bake, NonFiniteVertices_AreInvalidInput) {
+  const ScratchFolder scratch;
+  writeText(scratch / "tile.obj", "v nan 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n");
+  const ToolRun run = loden({"bake", scratch / "tile.obj", "-o", scratch / "out", "-q"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+}
+
+TEST(Cook, ThreadCount_DoesNotChangeTheBytes) {
+  const ScratchFolder scratch;
+  for (const std::string mode : {"lod", "surface", "fused"}) {
+    const std::string one = scratch / (mode + "1.loden"), two = scratch / (mode + "2.loden");
+    ASSERT_EQ(loden({"cook", sharedBake(), "-o", one, "--mode", mode, "--threads", "1", "-q"}).exit_code, 0) << mode;
+    ASSERT_EQ(loden({"cook", sharedBake(), "-o", two, "--mode", mode, "--threads", "2", "-q"}).exit_code, 0) << mode;
+    EXPECT_TRUE(fileText(one) == fileText(two)) << mode;
+  }
+}
+
+TEST(Info, CutAsset_ShowsWhatItCanAndFails) {
+  const ScratchFolder scratch;
+  const std::string bytes = fileText(sharedAsset());
+  writeText(scratch / "cut.loden", bytes.substr(0, bytes.size() / 2));
+  const ToolRun info = loden({"info", scratch / "cut.loden", "--format", "json"});
+  EXPECT_EQ(info.exit_code, 3);
+  const Json json = Json::parse(info.out, nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_FALSE(json["issues"].empty());
+  EXPECT_EQ(json["mode"], "lod");
+  EXPECT_EQ(loden({"validate", scratch / "cut.loden"}).exit_code, 3);
+  EXPECT_EQ(loden({"extract", scratch / "cut.loden", "-o", scratch / "o.exr", "--map", "band0.weights"}).exit_code != 0, true);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));
+}
+
+TEST(Validate, DamagedByte_IsFoundAndNumbered) {
+  const ScratchFolder scratch;
+  std::string bytes = fileText(sharedAsset());
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x40);
+  writeText(scratch / "bad.loden", bytes);
+  const ToolRun run = loden({"validate", scratch / "bad.loden", "--format", "json"});
+  EXPECT_EQ(run.exit_code, 3);
+  const Json json = Json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_FALSE(json["valid"].get<bool>());
+  EXPECT_GE(json["issues"][0]["id"].get<int>(), 2000);
+}
+
+TEST(Validate, SomethingElse_IsInvalid) {
+  const ScratchFolder scratch;
+  writeText(scratch / "text.loden", "this is no asset");
+  EXPECT_EQ(loden({"validate", scratch / "text.loden"}).exit_code, 3);
+  EXPECT_EQ(loden({"info", scratch / "text.loden"}).exit_code, 3);
+  writeText(scratch / "empty.loden", "");
+  EXPECT_EQ(loden({"validate", scratch / "empty.loden"}).exit_code, 3);
+}
+
+TEST(Compare, BakeAgainstItself_IsZero) {
+  const ToolRun run = loden({"compare", sharedBake(), sharedBake(), "--fail", "0", "--every", "5", "--format", "json", "-q"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["all"]["y"]["rmse"], 0);
+  EXPECT_EQ(json["flip"]["mean"], 0);
+  EXPECT_GT(json["all"]["samples"], 0);
+}
+
+TEST(Compare, AboveTheLimit_IsDifference) {
+  EXPECT_EQ(loden({"compare", sharedBake(), sharedAsset(), "--fail", "1e-9", "--every", "9", "-q"}).exit_code, 7);
+  EXPECT_EQ(loden({"compare", sharedBake(), sharedAsset(), "--fail", "10", "--every", "9", "-q"}).exit_code, 0);
+}
+
+TEST(Compare, AssetAgainstItself_IsZero) {
+  EXPECT_EQ(loden({"compare", sharedAsset(), sharedAsset(), "--fail", "0", "--every", "20", "-q"}).exit_code, 0);
+}
+
+TEST(Extract, DecodedSlice_ResemblesTheTrueOne) {
+  const ScratchFolder scratch;
+  const std::vector<std::string> directions{"--light", "30,60", "--view", "45,40"};
+  auto truth = directions, decoded = directions;
+  truth.insert(truth.begin(), {"extract", sharedBake(), "-o", scratch / "true.exr"});
+  decoded.insert(decoded.begin(), {"extract", sharedAsset(), "-o", scratch / "decoded.exr"});
+  ASSERT_EQ(loden(truth).exit_code, 0);
+  ASSERT_EQ(loden(decoded).exit_code, 0);
+  // The material is a fit; .25 is above every misfit of this tile and far below a wrong direction or orientation.
+  EXPECT_EQ(loden({"compare", scratch / "true.exr", scratch / "decoded.exr", "--fail", "0.25", "-q"}).exit_code, 0);
+}
+
+TEST(Extract, BothDomainsAndMaps_AreWritten) {
+  const ScratchFolder scratch;
+  EXPECT_EQ(loden({"extract", sharedBake(), "-o", scratch / "flat.exr", "--domain", "flat"}).exit_code, 0);
+  EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "flat2.png", "--domain", "flat"}).exit_code, 0);
+  EXPECT_EQ(loden({"extract", sharedBake(), "-o", scratch / "normal.exr", "--map", "normal"}).exit_code, 0);
+  EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "weights.exr", "--map", "band0.weights"}).exit_code, 0);
+  for (const char* name : {"flat.exr", "flat2.png", "normal.exr", "weights.exr"})
+    EXPECT_TRUE(std::filesystem::exists(scratch / name)) << name;
+}
+
+TEST(Trace, SameSeed_SamePictureAtAnyThreadCount) {
+  const ScratchFolder scratch;
+  for (const std::string surface : {"plane", "cylinder", "sphere"}) {
+    const std::vector<std::string> common{"--surface", surface, "--size", "40x30", "--spp", "4", "-q"};
+    for (const std::string threads : {"1", "2"}) {
+      std::vector<std::string> arguments{"trace", "builtin:sponge", "-o", scratch / (surface + threads + ".exr"), "--threads", threads};
+      arguments.insert(arguments.end(), common.begin(), common.end());
+      ASSERT_EQ(loden(arguments).exit_code, 0);
+    }
+    EXPECT_EQ(loden({"compare", scratch / (surface + "1.exr"), scratch / (surface + "2.exr"), "--fail", "0", "-q"}).exit_code, 0);
+  }
+}
+
+TEST(Trace, BadCamera_IsUsageThatShowsTheForm) {
+  const ScratchFolder scratch;
+  writeText(scratch / "camera.json", R"({"position": [0, 1]})");
+  const ToolRun run = loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--camera", scratch / "camera.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("fov_degrees"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));
+}
+
+}  // namespace
+}  // namespace loden::test

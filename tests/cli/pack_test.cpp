@@ -1,0 +1,164 @@
+// `loden pack` and `loden validate` on scenes.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/loden_fixture.h"
+
+namespace loden::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* kExtension = "LODEN_materials_flat_btf";
+
+ToolRun packTo(const ScratchFolder& scratch, const std::string& out, std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments{"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "-o", scratch / out};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return loden(arguments);
+}
+
+uint32_t u32At(const std::string& bytes, size_t at) {
+  uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, 4);
+  return value;
+}
+
+std::string glbOf(const std::string& json_text, const std::string& bin) {
+  std::string json = json_text, out = "glTF";
+  json.append((4 - json.size() % 4) % 4, ' ');
+  const auto add = [&out](uint32_t value) { out.append(reinterpret_cast<const char*>(&value), 4); };
+  add(2);
+  add(static_cast<uint32_t>(12 + 8 + json.size() + 8 + bin.size()));
+  add(static_cast<uint32_t>(json.size()));
+  out += "JSON" + json;
+  add(static_cast<uint32_t>(bin.size()));
+  return out + std::string("BIN\0", 4) + bin;
+}
+
+TEST(Pack, ByUri_KeepsEverythingElse) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun run = packTo(scratch, "packed.gltf", {"--scale", "8,4", "--rotation", "90"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  Json packed = Json::parse(fileText(scratch / "packed.gltf"));
+  const Json before = Json::parse(fileText(scratch / "scene.gltf"));
+  const Json extension = packed["materials"][0]["extensions"][kExtension];
+  EXPECT_EQ(extension["asset"], 0);
+  EXPECT_EQ(extension["scale"], Json({8.0, 4.0}));
+  EXPECT_NEAR(extension["rotation"].get<double>(), 1.5707963, 1e-6);
+  EXPECT_EQ(packed["extensions"][kExtension]["assets"][0]["uri"], "material.loden");
+  EXPECT_TRUE(std::filesystem::exists(scratch / "material.loden"));
+  EXPECT_TRUE(packed["materials"][0]["pbrMetallicRoughness"].contains("baseColorFactor"));
+  EXPECT_EQ(packed["extensionsUsed"], Json({"VENDOR_thing", kExtension}));
+  EXPECT_FALSE(packed.contains("extensionsRequired"));
+  packed["materials"][0] = before["materials"][0];
+  packed["extensionsUsed"] = before["extensionsUsed"];
+  packed.erase("extensions");
+  EXPECT_EQ(packed, before);
+  EXPECT_EQ(loden({"validate", scratch / "packed.gltf"}).exit_code, 0);
+}
+
+TEST(Pack, Twice_SharesTheAsset) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  ASSERT_EQ(packTo(scratch, "a.gltf").exit_code, 0);
+  const ToolRun run = loden({"pack", scratch / "a.gltf", "--material", "Other", "--asset", scratch / "material.loden", "-o", scratch / "b.gltf"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json packed = Json::parse(fileText(scratch / "b.gltf"));
+  EXPECT_EQ(packed["extensions"][kExtension]["assets"].size(), 1u);
+  EXPECT_EQ(packed["extensionsUsed"].size(), 2u);
+}
+
+TEST(Pack, EmbeddedInGlb_IsAlignedAndValid) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  Json scene = Json::parse(fileText(scratch / "scene.gltf"));
+  scene["buffers"][0].erase("uri");
+  writeText(scratch / "scene.glb", glbOf(scene.dump(), fileText(scratch / "scene.bin")));
+  const ToolRun run = loden({"pack", scratch / "scene.glb", "--material", "Cloth", "--asset", sharedAsset(), "-o", scratch / "out.glb", "--embed"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string bytes = fileText(scratch / "out.glb");
+  EXPECT_EQ(u32At(bytes, 8), bytes.size());
+  EXPECT_EQ(u32At(bytes, 12) % 4, 0u);
+  const Json packed = Json::parse(bytes.substr(20, u32At(bytes, 12)));
+  const Json asset = packed["extensions"][kExtension]["assets"][0];
+  EXPECT_EQ(asset["mimeType"], "application/vnd.loden");
+  const Json view = packed["bufferViews"][asset["bufferView"].get<size_t>()];
+  const size_t begin = 20 + u32At(bytes, 12) + 8 + view["byteOffset"].get<size_t>();
+  EXPECT_TRUE(bytes.substr(begin, view["byteLength"].get<size_t>()) == fileText(sharedAsset()));
+  EXPECT_EQ(loden({"validate", scratch / "out.glb"}).exit_code, 0);
+}
+
+TEST(Pack, EmbeddedInGltf_IsOneFileMore) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  ASSERT_EQ(packTo(scratch, "out.gltf", {"--embed"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "material.loden"));
+  EXPECT_EQ(loden({"validate", scratch / "out.gltf"}).exit_code, 0);
+}
+
+TEST(Pack, ToAnotherFolder_TakesTheBuffersAlong) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  std::filesystem::create_directories(scratch / "far");
+  ASSERT_EQ(packTo(scratch, "far/out.gltf").exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(scratch / "far/scene.bin"));
+  EXPECT_TRUE(std::filesystem::exists(scratch / "far/material.loden"));
+}
+
+TEST(Pack, UnknownMaterial_NamesTheKnownOnes) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun run = loden({"pack", scratch / "scene.gltf", "--material", "Clot", "--asset", sharedAsset(), "-o", scratch / "out.gltf"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("'Cloth'"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out.gltf"));
+}
+
+TEST(Pack, BrokenAsset_IsRefused) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  writeText(scratch / "bad.loden", "no asset");
+  const ToolRun run = loden({"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", scratch / "bad.loden", "-o", scratch / "out.gltf"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out.gltf"));
+}
+
+TEST(Validate, HostileScenes_AreIssuesNotCrashes) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  ASSERT_EQ(packTo(scratch, "good.gltf").exit_code, 0);
+  const std::string good = fileText(scratch / "good.gltf");
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+  };
+  const std::vector<std::pair<std::string, int>> cases{
+      {std::string(20000, '[') + std::string(20000, ']'), 5002},
+      {"{", 5001},
+      {replaced("\"material.loden\"", "\"../../etc/passwd\""), 5003},
+      {replaced("\"material.loden\"", "\"missing.loden\""), 1001},
+      {replaced("\"asset\": 0", "\"asset\": 7"), 5006},
+      {replaced("\"asset\": 0", "\"asset\": -1"), 5006},
+      {replaced("\"count\": 3", "\"count\": 1000000"), 5004},
+      {replaced("\"byteLength\": 24", "\"byteLength\": 9007199254740991"), 5004},
+      {replaced("\"extensionsUsed\"", "\"extensionsUsedNot\""), 5006},
+      {replaced("\"extensionsUsed\"", "\"extensionsRequired\": [\"X\"], \"extensionsUsed\""), 5005},
+  };
+  for (const auto& [text, id] : cases) {
+    writeText(scratch / "bad.gltf", text);
+    const ToolRun run = loden({"validate", scratch / "bad.gltf", "--format", "json"});
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    const Json json = Json::parse(run.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << run.out;
+    bool found = false;
+    for (const Json& issue : json["issues"]) found |= issue["id"] == id;
+    EXPECT_TRUE(found) << id << " in " << run.out;
+  }
+}
+
+}  // namespace
+}  // namespace loden::test

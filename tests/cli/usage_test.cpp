@@ -1,0 +1,118 @@
+// What every verb promises: exit codes, streams, JSON, and no half-written output.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/loden_fixture.h"
+
+namespace loden::test {
+namespace {
+
+const std::vector<std::string> kVerbs{"bake", "cook", "info", "validate", "extract", "compare", "pack", "trace", "study", "doctor"};
+
+TEST(Cli, NoVerb_IsUsage) { EXPECT_EQ(loden({}).exit_code, 1); }
+
+TEST(Cli, UnknownVerb_IsUsage) { EXPECT_EQ(loden({"frobnicate"}).exit_code, 1); }
+
+TEST(Cli, Help_NamesEveryVerb) {
+  const ToolRun run = loden({"--help"});
+  EXPECT_EQ(run.exit_code, 0);
+  for (const std::string& verb : kVerbs) EXPECT_NE(run.out.find("\n  " + verb + " "), std::string::npos) << verb;
+}
+
+TEST(Cli, EveryVerb_HasHelpAndRefusesUnknownOptions) {
+  for (const std::string& verb : kVerbs) {
+    EXPECT_EQ(loden({verb, "--help"}).exit_code, 0) << verb;
+    const ToolRun run = loden({verb, "--no-such-option"});
+    EXPECT_EQ(run.exit_code, 1) << verb;
+    EXPECT_TRUE(run.out.empty()) << verb;
+    EXPECT_NE(run.err.find("--help"), std::string::npos) << run.err;
+  }
+}
+
+TEST(Cli, MissingInput_IsIoErrorThatNamesTheFile) {
+  const ScratchFolder scratch;
+  const std::string none = scratch / "none.loden", out = scratch / "out.exr";
+  const std::vector<std::vector<std::string>> runs{
+      {"bake", scratch / "none.gltf", "-o", scratch / "out"},
+      {"cook", scratch / "none", "-o", scratch / "out.loden"},
+      {"info", none},
+      {"validate", none},
+      {"extract", none, "-o", out},
+      {"compare", none, none},
+      {"pack", scratch / "none.gltf", "--material", "m", "--asset", none, "-o", scratch / "out.gltf"},
+      {"trace", scratch / "none.gltf", "-o", out},
+  };
+  for (const auto& arguments : runs) {
+    const ToolRun run = loden(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments[0] << ": " << run.err;
+    EXPECT_NE(run.err.find("none"), std::string::npos) << arguments[0] << ": " << run.err;
+    EXPECT_TRUE(run.out.empty()) << arguments[0];
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(Cli, BadValues_AreUsage) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  const std::vector<std::vector<std::string>> runs{
+      {"bake", "builtin:pulli", "-o", out, "--size", "-4"},
+      {"bake", "builtin:pulli", "-o", out, "--directions", "bonn80"},
+      {"bake", "builtin:pulli", "-o", out, "--maps", "btf,colour"},
+      {"bake", "builtin:pulli", "-o", out, "--shard", "3/3"},
+      {"cook", sharedBake(), "-o", out + ".txt"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--components", "8,2"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--max-bytes", "many"},
+      {"extract", sharedAsset(), "-o", out + ".exr", "--light", "95,0"},
+      {"extract", sharedAsset(), "-o", out + ".exr", "--map", "nothing"},
+      {"extract", sharedAsset(), "-o", out + ".xyz"},
+      {"trace", "builtin:pulli", "-o", out + ".exr", "--size", "800"},
+      {"study", "no-such-study"},
+  };
+  for (const auto& arguments : runs) {
+    const ToolRun run = loden(arguments);
+    EXPECT_EQ(run.exit_code, 1) << arguments[0] << " ... " << arguments.back() << ": " << run.err;
+    EXPECT_FALSE(run.err.empty());
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(Cli, UnwritableOutput_IsIoError) {
+  const ScratchFolder scratch;
+  EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "no/such/folder/out.exr"}).exit_code, 2);
+  EXPECT_EQ(loden({"cook", sharedBake(), "-o", scratch / "no/such/folder/out.loden", "--mode", "lod", "-q"}).exit_code, 2);
+}
+
+TEST(Cli, Json_IsCleanAndNamesItsSchema) {
+  const ScratchFolder scratch;
+  const std::string asset = sharedAsset(), bake = sharedBake();
+  const std::vector<std::vector<std::string>> runs{
+      {"info", asset},
+      {"validate", asset},
+      {"compare", bake, asset, "--every", "9"},
+      {"extract", asset, "-o", scratch / "slice.exr"},
+      {"trace", "builtin:pulli", "-o", scratch / "truth.png", "--size", "16x12", "--spp", "1"},
+      {"doctor"},
+  };
+  for (auto arguments : runs) {
+    const std::string verb = arguments[0];
+    arguments.insert(arguments.end(), {"--format", "json", "-q"});
+    const ToolRun run = loden(arguments);
+    EXPECT_EQ(run.exit_code, 0) << verb << ": " << run.err;
+    EXPECT_TRUE(run.err.empty()) << verb << ": " << run.err;
+    const auto json = nlohmann::json::parse(run.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << verb << ": " << run.out;
+    EXPECT_EQ(json["schema"], "loden/" + verb + "/1");
+  }
+}
+
+TEST(Cli, Interrupt_Gives130AndNoFinishedLookingOutput) {
+  const ScratchFolder scratch;
+  const ToolRun run = loden({"bake", "builtin:isba", "-o", scratch / "bake", "--size", "128", "-q"}, 1.0);
+  EXPECT_EQ(run.exit_code, 130) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "bake/bake.json"));
+  EXPECT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "m.loden", "-q"}).exit_code, 3);
+}
+
+}  // namespace
+}  // namespace loden::test

@@ -1,0 +1,40 @@
+// A headless device whose driver messages are kept, and a program that fills a target.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "material/asset.h"
+#include "runtime/device.h"
+#include "runtime/gl_objects.h"
+#include "runtime/gl_target.h"
+#include "runtime/material_system.h"
+
+namespace loden::test {
+
+// Device with a log; the test fails at the end if the driver said anything of medium severity or above.
+class GlTest : public ::testing::Test {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+
+  std::unique_ptr<runtime::Device> makeDevice();
+  std::unique_ptr<runtime::MaterialSystem> makeMaterials(const runtime::MaterialSystemOptions& options = {});
+  runtime::MaterialId load(runtime::MaterialSystem& system, const Material& material);
+
+  std::vector<Issue> messages;  // all, of every device made here
+  int tolerated = 0;            // warnings and errors that the test expects
+  std::unique_ptr<runtime::Device> device;
+};
+
+std::shared_ptr<const ByteSource> assetSource(const Material& material);
+
+// A picture of one material through the shader library alone: x runs over the target, lambda, light and view are
+// fixed; linear RGB, [height][width]. GL state is left changed.
+std::vector<glm::vec4> drawMaterial(runtime::MaterialSystem& system, runtime::MaterialId id, float lambda,
+                                    glm::ivec2 size = {32, 32});
+
+}  // namespace loden::test

@@ -1,0 +1,178 @@
+// Assembly, the list of variants, the binary cache, and the layout shared by C++ and GLSL.
+#include <epoxy/gl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <fstream>
+
+#include "material/issues.h"
+#include "runtime/shader_assembly.h"
+#include "runtime/shader_library.h"
+#include "shaders/loden_shared.h"
+#include "tests/gl/gl_fixture.h"
+
+namespace loden::test {
+namespace {
+
+using namespace runtime;
+namespace fs = std::filesystem;
+
+using ShaderLibraryTest = GlTest;
+using SharedLayout = GlTest;
+
+// A folder that is gone at the end.
+struct ScratchFolder {
+  fs::path path = fs::temp_directory_path() / ("loden_shader_test_" + std::to_string(::getpid()));
+  ScratchFolder() { fs::remove_all(path); }
+  ~ScratchFolder() { fs::remove_all(path); }
+};
+
+const ProgramRow& forwardRow() { return *findProgramRow("scene_forward"); }
+
+TEST(ShaderAssembly, NamesFileAndLineOfAnError) {
+  Result<AssembledShader> shader = assembleShader("entry", "int a;\n#include \"loden_shared.h\"\nint b;\n", {});
+  ASSERT_TRUE(shader.ok());
+  EXPECT_EQ(shader->files, (std::vector<std::string>{"entry", "loden_shared.h"}));
+  EXPECT_NE(shader->text.find("#line 3 0\nint b;"), std::string::npos);
+  EXPECT_EQ(namedShaderLog("1:12(5): error: x\n0(7) : error C1\nplain\n", shader->files),
+            "loden_shared.h:12(5): error: x\nentry(7) : error C1\nplain");
+}
+
+TEST(ShaderAssembly, RefusesAnUnknownFile) {
+  const Result<AssembledShader> shader = assembleShader("entry", "\n#include \"nothing.glsl\"\n", {});
+  ASSERT_FALSE(shader.ok());
+  EXPECT_EQ(shader.issue().id, issue_id::kShader);
+  EXPECT_EQ(shader.issue().where, "entry:2");
+}
+
+TEST(ShaderVariants, AreAllDifferentAndAllowed) {
+  for (const ProgramRow& row : kProgramRows) {
+    std::vector<std::string> names;
+    for (const MaterialVariant& variant : rowVariants(row)) {
+      EXPECT_TRUE(rowAllows(row, variant));
+      names.push_back(variantName(variant));
+    }
+    std::sort(names.begin(), names.end());
+    EXPECT_TRUE(std::adjacent_find(names.begin(), names.end()) == names.end()) << row.name;
+  }
+}
+
+// Every listed variant; in two tests, because they take half a minute each on a slow machine.
+void compileAll(const Device& device, bool counted) {
+  ShaderLibrary library(device, {});
+  int expected = 0;
+  for (const ProgramRow& row : kProgramRows)
+    for (const MaterialVariant& variant : rowVariants(row)) {
+      if (variant.count_fetches != counted) continue;
+      const Result<uint32_t> program = library.program(row.name, variant);
+      ASSERT_TRUE(program.ok()) << program.issue().where << ": " << program.issue().text;
+      EXPECT_TRUE(glIsProgram(*program));
+      ++expected;
+    }
+  EXPECT_EQ(library.stats().compiled, expected);
+}
+TEST_F(ShaderLibraryTest, CompilesEveryPlainVariant) { compileAll(*device, false); }
+TEST_F(ShaderLibraryTest, CompilesEveryCountedVariant) { compileAll(*device, true); }
+
+TEST_F(ShaderLibraryTest, CompilesWhatIsAskedForOnce) {
+  ShaderLibrary library(*device, {});
+  EXPECT_EQ(library.stats().compiled, 0);
+  const MaterialVariant variant{MaterialVariant::Kind::kSurface, 0, Lookup::kDefault, false, false};
+  const uint32_t first = *library.program("scene_forward", variant);
+  EXPECT_EQ(*library.program("scene_forward", variant), first);
+  EXPECT_EQ(library.stats().compiled, 1);
+}
+
+TEST_F(ShaderLibraryTest, RefusesWhatNoRowAllows) {
+  ShaderLibrary library(*device, {});
+  const MaterialVariant too_many{MaterialVariant::Kind::kBands, LODEN_MAX_BANDS + 1, Lookup::kNone, false, false};
+  for (const Result<uint32_t>& program : {library.program("no_such_row", {}), library.program("scene_forward", too_many)}) {
+    ASSERT_FALSE(program.ok());
+    EXPECT_EQ(program.issue().id, issue_id::kShader);
+  }
+}
+
+TEST_F(ShaderLibraryTest, ReportsCompileErrorsWithFileAndLine) {
+  tolerated = 1;  // Mesa also reports it as a debug message
+  const ShaderText vertex{"good.vert", "void main() { gl_Position = vec4(0); }"};
+  const ShaderText fragment{"bad.frag", "#include \"loden_shared.h\"\nout vec4 c;\nvoid main() { c = nonsense; }"};
+  const Result<GlProgram> program = compileProgram(vertex, fragment, {}, "bad");
+  ASSERT_FALSE(program.ok());
+  EXPECT_NE(program.issue().text.find("bad.frag:3"), std::string::npos) << program.issue().text;
+}
+
+TEST_F(ShaderLibraryTest, TakesProgramsFromItsCacheAndIgnoresDamage) {
+  const ScratchFolder folder;
+  const MaterialVariant variant = rowVariants(forwardRow()).front();
+  ShaderLibrary first(*device, {folder.path});
+  ASSERT_TRUE(first.program("scene_forward", variant).ok());
+  ASSERT_EQ(first.stats().compiled, 1);
+  if (fs::is_empty(folder.path)) GTEST_SKIP() << "this driver returns no program binaries";
+
+  ShaderLibrary second(*device, {folder.path});
+  ASSERT_TRUE(second.program("scene_forward", variant).ok());
+  EXPECT_EQ(second.stats().from_cache, 1);
+
+  const fs::path file = fs::directory_iterator(folder.path)->path();
+  const uintmax_t size = fs::file_size(file);
+  for (const uintmax_t at : {uintmax_t(0), uintmax_t(9), size / 2, size - 1}) {
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(std::streamoff(at)).put('\x5a').put('\x3c');
+    ShaderLibrary damaged(*device, {folder.path});
+    ASSERT_TRUE(damaged.program("scene_forward", variant).ok());
+    EXPECT_EQ(damaged.stats().compiled, 1) << "byte " << at;
+  }
+  fs::resize_file(file, size / 3);
+  ShaderLibrary cut(*device, {folder.path});
+  ASSERT_TRUE(cut.program("scene_forward", variant).ok());
+  EXPECT_EQ(cut.stats().compiled, 1);
+}
+
+struct Member {
+  const char* name;
+  size_t offset;
+};
+
+TEST_F(SharedLayout, IsWhatTheDriverSays) {
+  ShaderLibrary library(*device, {});
+  const MaterialVariant variant{MaterialVariant::Kind::kBands, 2, Lookup::kDefault, false, false};
+  const Result<uint32_t> program = library.program("scene_forward", variant);
+  ASSERT_TRUE(program.ok()) << program.issue().text;
+  const size_t band1 = offsetof(LodenMaterialData, bands) + sizeof(LodenBandData);
+  const Member members[] = {{"flags", offsetof(LodenMaterialData, flags)},
+                            {"mean", offsetof(LodenMaterialData, mean)},
+                            {"mean_chroma", offsetof(LodenMaterialData, mean_chroma)},
+                            {"theta_max", offsetof(LodenMaterialData, theta_max)},
+                            {"grid", offsetof(LodenMaterialData, grid)},
+                            {"geometry", offsetof(LodenMaterialData, geometry)},
+                            {"surface", offsetof(LodenMaterialData, surface)},
+                            {"paper", offsetof(LodenMaterialData, paper)},
+                            {"bands[0].window", offsetof(LodenMaterialData, bands)},
+                            {"bands[1].window", band1 + offsetof(LodenBandData, window)},
+                            {"bands[1].mip", band1 + offsetof(LodenBandData, mip)},
+                            {"bands[1].layout_", band1 + offsetof(LodenBandData, layout_)},
+                            {"bands[1].quad_scale[0]", band1 + offsetof(LodenBandData, quad_scale)},
+                            {"bands[1].ratio_scale", band1 + offsetof(LodenBandData, ratio_scale)}};
+  int asked = 0;
+  for (const Member& member : members) {
+    const std::string name = std::string("LodenMaterialBlock.loden_material.") + member.name;
+    const std::string bare = std::string("loden_material.") + member.name;
+    GLuint index = glGetProgramResourceIndex(*program, GL_UNIFORM, bare.c_str());
+    if (index == GL_INVALID_INDEX) index = glGetProgramResourceIndex(*program, GL_UNIFORM, name.c_str());
+    if (index == GL_INVALID_INDEX) continue;  // not used by this variant
+    const GLenum property = GL_OFFSET;
+    GLint offset = -1;
+    glGetProgramResourceiv(*program, GL_UNIFORM, index, 1, &property, 1, nullptr, &offset);
+    EXPECT_EQ(size_t(offset), member.offset) << member.name;
+    ++asked;
+  }
+  EXPECT_GE(asked, 10);
+  const GLuint block = glGetProgramResourceIndex(*program, GL_UNIFORM_BLOCK, "LodenMaterialBlock");
+  const GLenum size_property = GL_BUFFER_DATA_SIZE;
+  GLint bytes = 0;
+  glGetProgramResourceiv(*program, GL_UNIFORM_BLOCK, block, 1, &size_property, 1, nullptr, &bytes);
+  EXPECT_EQ(size_t(bytes), sizeof(LodenMaterialData));
+}
+
+}  // namespace
+}  // namespace loden::test

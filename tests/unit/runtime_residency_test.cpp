@@ -1,0 +1,219 @@
+// Scripted demands against the residency policy.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "runtime/residency.h"
+
+namespace loden::runtime {
+namespace {
+
+constexpr uint64_t kKib = 1024;
+constexpr float kFrame = 1.0f / 60;
+
+// Four levels like a fused material's: each finer one four times the bytes.
+std::vector<PartDesc> fourLevels(uint64_t coarsest = 64 * kKib) {
+  return {{coarsest, 4}, {4 * coarsest, 3}, {16 * coarsest, 2}, {64 * coarsest, 1}};
+}
+
+// Drives the policy as the material system does, with every part arriving `latency` frames after it was asked
+// for, and checks on every frame what must hold always.
+class Player {
+ public:
+  explicit Player(const ResidencyOptions& options, int latency = 0)
+      : residency(options), budget_(options.budget_bytes), latency_(latency) {}
+
+  void frame(std::initializer_list<std::pair<uint32_t, float>> demands, float seconds = kFrame) {
+    for (const auto& [slot, lambda] : demands) residency.demand(slot, lambda);
+    step(seconds);
+  }
+  void step(float seconds) {
+    for (size_t i = 0; i < under_way_.size();) {
+      if (under_way_[i].second-- > 0) {
+        ++i;
+        continue;
+      }
+      const PartRef ref = under_way_[i].first;
+      under_way_.erase(under_way_.begin() + ptrdiff_t(i));
+      fails(ref) ? residency.failed(ref) : residency.arrived(ref);
+    }
+    const Residency::Actions& actions = residency.advance(seconds);
+    evictions += int(actions.evict.size());
+    loads += int(actions.load.size());
+    for (PartRef ref : actions.evict) std::erase_if(under_way_, [ref](const auto& item) { return item.first == ref; });
+    for (PartRef ref : actions.load) under_way_.push_back({ref, latency_});
+    EXPECT_LE(residency.committedBytes(), budget_) << "over budget";
+  }
+  void setBudget(uint64_t bytes) { residency.setBudget(budget_ = bytes); }
+
+  Residency residency;
+  int evictions = 0, loads = 0;
+  std::vector<PartRef> failing;
+
+ private:
+  bool fails(PartRef ref) const { return std::find(failing.begin(), failing.end(), ref) != failing.end(); }
+  uint64_t budget_;
+  int latency_;
+  std::vector<std::pair<PartRef, int>> under_way_;
+};
+
+TEST(Residency, LoadsCoarsestFirstAndNoFinerThanDemanded) {
+  Player player({.budget_bytes = 100000 * kKib, .max_loading = 1});
+  const uint32_t slot = player.residency.add(fourLevels());
+  EXPECT_EQ(player.residency.publishedLambda(slot), 4) << "nothing is resident";
+  for (int i = 0; i < 200; ++i) player.frame({{slot, 2.0f}});
+  EXPECT_TRUE(player.residency.resident({slot, 1}));
+  EXPECT_FALSE(player.residency.resident({slot, 2})) << "needed below lambda 2 only";
+  EXPECT_EQ(player.loads, 2);
+  EXPECT_FLOAT_EQ(player.residency.publishedLambda(slot), 2);
+  EXPECT_TRUE(player.residency.settled());
+}
+
+TEST(Residency, FadesInAtTheGivenRate) {
+  Player player({.budget_bytes = 100000 * kKib});
+  const uint32_t slot = player.residency.add(fourLevels());
+  float before = player.residency.publishedLambda(slot);
+  for (int i = 0; i < 120; ++i) {
+    player.frame({{slot, 0.0f}});
+    const float now = player.residency.publishedLambda(slot);
+    EXPECT_LE(before - now, 4 * kFrame + 1e-5f);
+    before = now;
+  }
+  EXPECT_EQ(before, 0);
+}
+
+TEST(Residency, KeepsTheFloorOfWhatNobodySees) {
+  Player player({.budget_bytes = 200 * kKib});
+  std::vector<uint32_t> slots;
+  for (int i = 0; i < 3; ++i) slots.push_back(player.residency.add(fourLevels()));
+  for (int i = 0; i < 10; ++i) player.frame({});
+  for (uint32_t slot : slots) EXPECT_TRUE(player.residency.resident({slot, 0}));
+  for (int i = 0; i < 50; ++i) player.frame({{slots[0], 0.0f}});
+  for (uint32_t slot : slots) EXPECT_TRUE(player.residency.resident({slot, 0})) << "evicted for finer levels of another";
+}
+
+TEST(Residency, LoadsNothingWithoutABudget) {
+  Player player({.budget_bytes = 0});
+  const uint32_t slot = player.residency.add(fourLevels());
+  for (int i = 0; i < 20; ++i) player.frame({{slot, 0.0f}});
+  EXPECT_EQ(player.loads, 0);
+  EXPECT_EQ(player.residency.publishedLambda(slot), 4);
+  EXPECT_TRUE(player.residency.settled());
+}
+
+TEST(Residency, EvictsWhatWasSeenLongestAgo) {
+  // Room for one material down to part 2 and the floors of all.
+  Player player({.budget_bytes = (64 * 3 + 20 * 64 * 2) * kKib, .floor_bytes = 64 * kKib});
+  std::vector<uint32_t> slots;
+  for (int i = 0; i < 3; ++i) slots.push_back(player.residency.add(fourLevels()));
+  for (uint32_t slot : slots)
+    for (int i = 0; i < 40; ++i) player.frame({{slot, 1.0f}});
+  EXPECT_FALSE(player.residency.resident({slots[0], 2}));
+  EXPECT_TRUE(player.residency.resident({slots[1], 2}));
+  EXPECT_TRUE(player.residency.resident({slots[2], 2}));
+}
+
+TEST(Residency, DoesNotThrashWhenDemandExceedsTheBudget) {
+  // Both materials want everything on every frame; only one fits.
+  Player player({.budget_bytes = 90 * 64 * kKib}, 2);
+  const uint32_t a = player.residency.add(fourLevels()), b = player.residency.add(fourLevels());
+  for (int i = 0; i < 600; ++i) player.frame({{a, 0.0f}, {b, 0.0f}});
+  EXPECT_LE(player.loads, 8);
+  EXPECT_EQ(player.evictions, 0);
+}
+
+TEST(Residency, DoesNotThrashWhenTheViewFlickers) {
+  // Two materials seen on alternate frames, of which only one fits whole.
+  Player player({.budget_bytes = 90 * 64 * kKib}, 1);
+  const uint32_t a = player.residency.add(fourLevels()), b = player.residency.add(fourLevels());
+  for (int i = 0; i < 600; ++i) player.frame({{i % 2 ? a : b, 0.0f}});
+  EXPECT_LE(player.loads, 10) << player.evictions;
+}
+
+TEST(Residency, PrefersCoarseOfOneToFineOfAnother) {
+  Player player({.budget_bytes = 90 * 64 * kKib}, 1);
+  const uint32_t a = player.residency.add(fourLevels()), b = player.residency.add(fourLevels());
+  for (int i = 0; i < 60; ++i) player.frame({{a, 0.0f}});
+  EXPECT_TRUE(player.residency.resident({a, 3}));
+  for (int i = 0; i < 60; ++i) player.frame({{a, 0.0f}, {b, 0.0f}});
+  EXPECT_TRUE(player.residency.resident({b, 2})) << "levels 0..2 of both fit once a's finest is gone";
+  EXPECT_FALSE(player.residency.resident({a, 3}));
+}
+
+TEST(Residency, KeepsTheCoarseLevelOfADamagedFile) {
+  Player player({.budget_bytes = 100000 * kKib}, 1);
+  const uint32_t slot = player.residency.add(fourLevels());
+  player.failing = {{slot, 2}};
+  for (int i = 0; i < 200; ++i) player.frame({{slot, 0.0f}});
+  EXPECT_TRUE(player.residency.resident({slot, 1}));
+  EXPECT_EQ(player.residency.publishedLambda(slot), 2);
+  EXPECT_TRUE(player.residency.settled()) << "asks again and again";
+  EXPECT_LE(player.loads, 4);
+}
+
+TEST(Residency, ObeysABudgetThatShrinks) {
+  Player player({.budget_bytes = 200 * 64 * kKib}, 3);
+  const uint32_t slot = player.residency.add(fourLevels());
+  for (int i = 0; i < 60; ++i) player.frame({{slot, 0.0f}});
+  EXPECT_TRUE(player.residency.resident({slot, 3}));
+  player.setBudget(10 * 64 * kKib);
+  for (int i = 0; i < 60; ++i) player.frame({{slot, 0.0f}});
+  EXPECT_TRUE(player.residency.resident({slot, 1}));
+  EXPECT_EQ(player.residency.publishedLambda(slot), 2);
+}
+
+TEST(Residency, ReusesSlotsAndFreesBytes) {
+  Player player({.budget_bytes = 100000 * kKib});
+  const uint32_t slot = player.residency.add(fourLevels());
+  for (int i = 0; i < 10; ++i) player.frame({{slot, 0.0f}});
+  EXPECT_GT(player.residency.committedBytes(), 0u);
+  player.residency.remove(slot);
+  EXPECT_EQ(player.residency.committedBytes(), 0u);
+  EXPECT_EQ(player.residency.add(fourLevels()), slot);
+}
+
+TEST(Residency, StartsAgainAfterALostContext) {
+  Player player({.budget_bytes = 100000 * kKib});
+  const uint32_t slot = player.residency.add(fourLevels());
+  for (int i = 0; i < 120; ++i) player.frame({{slot, 0.0f}});
+  player.residency.dropAll();
+  EXPECT_EQ(player.residency.committedBytes(), 0u);
+  EXPECT_EQ(player.residency.publishedLambda(slot), 4);
+  for (int i = 0; i < 120; ++i) player.frame({{slot, 0.0f}});
+  EXPECT_EQ(player.residency.publishedLambda(slot), 0);
+}
+
+TEST(Residency, TakesTenThousandMaterials) {
+  Player player({.budget_bytes = 32 * kKib * kKib}, 2);
+  std::vector<uint32_t> slots;
+  for (int i = 0; i < 10000; ++i) slots.push_back(player.residency.add(fourLevels(16 * kKib)));
+  std::mt19937 random(1);
+  for (int i = 0; i < 100; ++i) {
+    for (int k = 0; k < 50; ++k) player.residency.demand(slots[(size_t(i) * 10 + size_t(k)) % slots.size()], 2);
+    player.step(kFrame);
+  }
+  EXPECT_GT(player.residency.residentParts(), 0);
+}
+
+// Property test: any demands, any failures, any budget.
+TEST(Residency, NeverExceedsTheBudgetUnderRandomDemand) {
+  std::mt19937 random(7);
+  const auto below = [&](uint32_t n) { return uint32_t(random() % n); };
+  Player player({.budget_bytes = 3000 * kKib}, 2);
+  std::vector<uint32_t> slots;
+  for (int i = 0; i < 40; ++i) slots.push_back(player.residency.add(fourLevels((1 + below(32)) * kKib)));
+  for (int i = 0; i < 20; ++i) player.failing.push_back({slots[below(40)], below(4)});
+  for (int frame = 0; frame < 2000; ++frame) {
+    if (below(100) == 0) player.setBudget(below(6000) * kKib);
+    for (uint32_t k = below(10); k > 0; --k) player.residency.demand(slots[below(40)], float(below(500)) * 0.01f);
+    player.step(kFrame);
+    for (uint32_t slot : slots)
+      for (uint32_t part = 1; part < 4; ++part)
+        if (player.residency.resident({slot, part})) {
+          ASSERT_NE(player.residency.publishedLambda(slot), 4) << "a finer part without the coarser one";
+        }
+  }
+}
+
+}  // namespace
+}  // namespace loden::runtime

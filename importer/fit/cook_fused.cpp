@@ -1,7 +1,7 @@
 #include "importer/fit/band_fit.h"
 #include "importer/fit/flat_fit.h"
+#include "importer/fit/fused_plan.h"
 #include "importer/fit/grid_table.h"
-#include "importer/fit/measure.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
@@ -10,41 +10,59 @@
 namespace loden::importer {
 namespace {
 
-constexpr int kFlatMips = 3;  // lambda 0 .. 2, where the reference-domain band has taken over
+constexpr int kFullPhis = 25;  // from here on the grid can give back every sample of Bonn's rings
+constexpr int kFlatMips = 3;   // lambda 0 .. 2, where the reference-domain band has taken over
 constexpr float kCrossFadeBegin = 1, kCrossFadeEnd = 2;
 
-// The fine band: joint fit of Y through the lookup, then the basis again for the weights as they are stored,
-// then chroma as a ratio to the Y that results.
-Band fitFlatBand(const BtfSource& source, const YccBtf& btf, const Material& m, const Indirection& a, int flat_side,
-                 int components, int threads) {
-  const Matrix mean = sampleMean(m.mean, source.lights(), source.views());
-  const ColumnBlocks luma = centredBlocks(btf, 0, mean);
+// What the fits of both bands share.
+struct FusedInput {
+  const BtfSource& source;
+  const YccBtf& btf;
+  const Material& material;  // mean, grid and geometry are set
+  Matrix mean;               // at the samples
+  int threads;
+};
+
+// The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored, then
+// chroma as a ratio to the Y that results.
+Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
+  const DirectionSet &lights = in.source.lights(), &views = in.source.views();
+  const DirectionGrid& grid = in.material.grid;
+  const ColumnBlocks luma = centredBlocks(in.btf, 0, in.mean);
   FlatFitOptions fit;
-  fit.components = components;
-  fit.threads = threads;
+  fit.components = plan.y_components;
+  fit.threads = in.threads;
+  const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, Storage::kSnorm8);
   BandFactors factors;
-  factors.side = flat_side;
-  factors.y.weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, Storage::kSnorm8);
-  factors.y.basis = solveBasis(luma, a, factors.y.weights, threads);
-  factors.ratio = fitRatios(btf, factors.y, mean, m.mean, a, threads);
-  Band band = packBand(factors, source.lights(), source.views(),
-                       {TableLayout::kGrid, Storage::kSnorm8, m.grid, kFlatMips, 0});
+  factors.side = in.btf.side() * plan.flat_scale;
+  factors.on_grid = plan.phis < kFullPhis;
+  Factors at_samples{weights, {}};
+  if (factors.on_grid) {
+    const Matrix table = solveGridBasis(luma, a, weights, grid, lights, views, in.threads);
+    factors.y = {weights, table};
+    at_samples.basis = mapTables(table, gridSampling(grid, lights), gridSampling(grid, views));
+  } else {
+    at_samples.basis = solveBasis(luma, a, weights, in.threads);
+    factors.y = at_samples;
+  }
+  factors.ratio = fitRatios(in.btf, at_samples, in.mean, in.material.mean, a, in.threads);
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, grid, kFlatMips, 0});
   band.domain = Domain::kFlat;
   band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
   return band;
 }
 
 // The coarse band: apparent reflectance over the reference plane, from lambda 1 to the full average.
-Band fitCoarseBand(const BtfSource& source, const YccBtf& btf, const Material& m, int y_components, int threads) {
-  const YccBtf half = downsample(btf, BoxFilter::k2x2, threads);
-  const Matrix mean = sampleMean(m.mean, source.lights(), source.views());
+Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
+  const YccBtf half = downsample(in.btf, BoxFilter::k2x2, in.threads);
   BandFactors factors;
   factors.side = half.side();
-  factors.y = meanFirstFactors(centredBlocks(half, 0, mean), y_components, threads);
-  factors.cb = meanFirstFactors(centredBlocks(half, 1, mean), 2, threads);
-  factors.cr = meanFirstFactors(centredBlocks(half, 2, mean), 2, threads);
-  Band band = packBand(factors, source.lights(), source.views(),
-                       {TableLayout::kGrid, Storage::kSnorm8, m.grid, fullMipCount(half.side(), half.side()), 0});
+  factors.y = meanFirstFactors(centredBlocks(half, 0, in.mean), plan.coarse_y, in.threads);
+  factors.cb = meanFirstFactors(centredBlocks(half, 1, in.mean), 2, in.threads);
+  factors.cr = meanFirstFactors(centredBlocks(half, 2, in.mean), 2, in.threads);
+  const int mips = fullMipCount(half.side(), half.side());
+  Band band = packBand(factors, in.source.lights(), in.source.views(),
+                       {TableLayout::kGrid, Storage::kSnorm8, in.material.grid, mips, 0});
   band.lambda_first = 1;
   band.window = {kCrossFadeBegin, kCrossFadeEnd};
   return band;
@@ -52,31 +70,52 @@ Band fitCoarseBand(const BtfSource& source, const YccBtf& btf, const Material& m
 
 }  // namespace
 
-Result<Material> cookFused(const BtfSource& source, const GeometryImage& geometry, const CookOptions& options) {
-  auto btf = loadYcc(source, options.threads);
-  if (!btf) return btf.issue();
+FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
+                  int threads) {
   Material m;
   m.mode = Mode::kFused;
   m.name = source.name();
-  m.side = source.size().x;
+  m.side = btf.side();
   m.value_scale = static_cast<float>(1 / kPi);
   m.geometry = geometry;
-  m.grid = gridFor(source.lights());
+  m.grid = gridFor(source.lights(), 6, plan.phis);
   m.theta_max = m.grid.theta_max;
-  m.mean = fitPhong(imageMeans(*btf, options.threads), source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
+  m.mean = fitPhong(imageMeans(btf, threads), source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
 
-  const Evaluator lookup(m, {}, options.threads);
-  const int flat_side = source.size().x;
+  const Evaluator lookup(m, {}, threads);
   const Indirection a = makeIndirection(
-      source.size().x, flat_side, source.views(),
-      [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, options.threads);
-  const int y = options.y_components ? options.y_components : options.preset == Preset::kReference ? 32 : 12;
-  m.bands.push_back(fitFlatBand(source, *btf, m, a, flat_side, y, options.threads));
-  m.bands.push_back(fitCoarseBand(source, *btf, m, 4, options.threads));
-  m.lambda_max = 1 + static_cast<float>(m.bands.back().weights.mips - 1);
-  const BtfError error = measureError(m, *btf, source.lights(), source.views(), a, options.threads);
-  m.meta_json = cookMeta(m, source.name(), presetName(options.preset), &error);
-  return m;
+      btf.side(), btf.side() * plan.flat_scale, source.views(),
+      [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
+  const FusedInput in{source, btf, m, sampleMean(m.mean, source.lights(), source.views()), threads};
+  Band fine = fitFlatBand(in, a, plan), coarse = fitCoarseBand(in, plan);
+  m.lambda_max = coarse.lambda_first + static_cast<float>(coarse.weights.mips - 1);
+  m.bands.push_back(std::move(fine));
+  m.bands.push_back(std::move(coarse));
+  const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads);
+  return {std::move(m), error};
+}
+
+uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
+  const auto maps = [](uint64_t texels_side, int mips, int layers) {
+    return textureBytes(TexelFormat::kRGBA8Snorm, texels_side, texels_side, uint64_t(layers), mips);
+  };
+  const uint64_t quad_table = uint64_t(plan.phis) * uint64_t(plan.phis) * 36 * 4;
+  const int fine_quads = (plan.y_components + 3) / 4, coarse_quads = (plan.coarse_y + 3) / 4 + 1;
+  return maps(uint64_t(side * plan.flat_scale), kFlatMips, fine_quads + 1) +
+         maps(uint64_t(side / 2), fullMipCount(side / 2, side / 2), coarse_quads) +
+         uint64_t(fine_quads + coarse_quads) * quad_table +
+         textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
+}
+
+Result<Material> cookFused(const BtfSource& source, const GeometryImage& geometry, const CookOptions& options) {
+  auto btf = loadYcc(source, options.threads);
+  if (!btf) return btf.issue();
+  FusedPlan plan;
+  if (options.preset == Preset::kReference) plan.y_components = 32;
+  if (options.y_components) plan.y_components = options.y_components;
+  FusedFit fit = fitFused(source, *btf, geometry, plan, options.threads);
+  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error);
+  return std::move(fit.material);
 }
 
 }  // namespace loden::importer

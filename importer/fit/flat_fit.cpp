@@ -1,11 +1,11 @@
 #include "importer/fit/flat_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
 
 #include "importer/fit/eigen.h"
+#include "importer/fit/view_products.h"
 #include "importer/fit/reduction.h"
 
 namespace loden::importer {
@@ -13,29 +13,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-constexpr double kRidge = 1e-9;  // relative; decides tables of views that see too little
-
-struct ViewProducts {
-  MatrixXd gram;    // M^T M, M = A_v D
-  MatrixXd cross;   // M^T B_v
-  double squares = 0;  // |B_v|^2
-};
-
-ViewProducts viewProducts(const Matrix& seen, const Matrix& block) {
-  ViewProducts p;
-  p.gram.noalias() = eigen(seen).transpose() * eigen(seen);
-  p.cross.noalias() = eigen(seen).transpose() * eigen(block);
-  p.squares = eigen(block).squaredNorm();
-  return p;
-}
-
-// k x lights.
-MatrixXd solveView(const ViewProducts& p) {
-  MatrixXd ridged = p.gram;
-  ridged.diagonal().array() += kRidge * p.gram.trace() / double(p.gram.rows()) + 1e-300;
-  return ridged.ldlt().solve(p.cross);
-}
 
 // One pass over the data: the best E for D, and sum_v A_v^T B_v E_v, the right-hand side of the D step.
 struct Pass {
@@ -171,7 +148,7 @@ Matrix startWeights(const ColumnBlocks& b, const Indirection& a, int components,
                             into = Matrix(a.flat_texels, b.block_cols);
                             a.addTransposed(v, block, into);
                           }};
-  return leadingFactors(flat, components, threads).weights;
+  return leadingFactors(flat, components, threads, 1).weights;  // only a start
 }
 
 }  // namespace
@@ -187,10 +164,6 @@ FlatFit fitFlat(const ColumnBlocks& b, const Indirection& a, const FlatFitOption
   const Pass last = alternate(b, a, weights, options.threads);
   const double values = double(a.texels) * b.cols();
   return {rotated(weights, last.basis), std::sqrt(std::max(last.error, 0.0) / values)};
-}
-
-Matrix solveBasis(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads) {
-  return matrixFrom(alternate(b, a, weights, threads).basis);
 }
 
 }  // namespace loden::importer

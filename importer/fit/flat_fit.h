@@ -2,8 +2,6 @@
 // sum over views of |A_v D E_v^T - B_v|^2.
 #pragma once
 
-#include <optional>
-
 #include "importer/fit/indirection.h"
 #include "importer/fit/pca.h"
 #include "material/band.h"
@@ -30,5 +28,10 @@ FlatFit fitFlat(const ColumnBlocks& b, const Indirection& a, const FlatFitOption
 
 // The best table for given weights, (views * lights) x k: least squares per view.
 Matrix solveBasis(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads);
+
+// The best table for given weights among those that a grid gives, (dof_o * dof_i) x k with row o * dof_i + i
+// (fit/grid_table.h): conjugate gradients over all views at once, from the smooth resampling of solveBasis.
+Matrix solveGridBasis(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, const DirectionGrid& grid,
+                      const DirectionSet& lights, const DirectionSet& views, int threads);
 
 }  // namespace loden::importer

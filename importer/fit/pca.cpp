@@ -15,7 +15,6 @@ using Eigen::MatrixXd;
 
 constexpr int kDirectSide = 64;      // at most this many rows or columns: thin SVD
 constexpr int kOversampling = 8;     // extra columns of the range finder
-constexpr int kSubspaceSteps = 4;    // double passes over the data
 
 MatrixXd orthonormal(const MatrixXd& m) {
   Eigen::HouseholderQR<MatrixXd> qr(m);
@@ -80,11 +79,11 @@ ColumnBlocks blocksOf(const Matrix& m) {
   return {m.rows, 1, m.cols, [&m](int, Matrix& into) { into = m; }};
 }
 
-Factors leadingFactors(const ColumnBlocks& f, int k, int threads) {
+Factors leadingFactors(const ColumnBlocks& f, int k, int threads, int subspace_steps) {
   if (std::min(f.rows, f.cols()) <= std::max(kDirectSide, k + kOversampling)) return directFactors(f, k);
   const int r = std::min({k + kOversampling, f.rows, f.cols()});
   MatrixXd range = orthonormal(timesRight(f, gaussian(f.cols(), r), threads));
-  for (int step = 0; step < kSubspaceSteps; ++step)
+  for (int step = 0; step < subspace_steps; ++step)
     range = orthonormal(timesRight(f, orthonormal(timesLeft(f, range, threads)), threads));
   // F ~ range (F^T range)^T, and the small factor is decomposed exactly.
   const Eigen::BDCSVD<MatrixXd> svd(timesLeft(f, range, threads), Eigen::ComputeThinU | Eigen::ComputeThinV);

@@ -1,0 +1,30 @@
+// What a fused asset is made of: the choices that trade bytes for error.
+#pragma once
+
+#include "importer/fit/indirection.h"
+#include "importer/fit/measure.h"
+#include "material/material.h"
+
+namespace loden::importer {
+
+struct FusedPlan {
+  int y_components = 12;  // of the flat-domain band
+  int coarse_y = 4;       // of the reference-domain band
+  int flat_scale = 1;     // flat texels per reference texel, along one side
+  int phis = 25;          // columns of the direction grid, the repeated one counted
+  int geometry_side = 0;  // of the geometry image; 0: as baked
+};
+
+struct FusedFit {
+  Material material;
+  BtfError error;  // at lambda 0, sampled directions, through the shader's default lookup
+};
+
+// `geometry` is already at plan.geometry_side. Deterministic at any number of threads.
+FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
+                  int threads);
+
+// Raw bytes that the file of a plan holds, without fitting it.
+uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);
+
+}  // namespace loden::importer

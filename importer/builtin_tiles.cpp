@@ -245,13 +245,13 @@ Knit knitAt(glm::dvec2 p) {
 Surface pulliSurface() {
   const auto position = [](glm::dvec2 p) {
     const double knit = knitAt(p).height;
-    const double fibre = 0.010 * periodicNoise(p, {48, 20}, 3) + 0.012 * periodicFractal(p, {6, 4}, 2, 4);
-    return glm::dvec3(p, 0.15 * knit + fibre * (0.3 + knit));
+    const double fibre = 0.007 * periodicNoise(p, {40, 18}, 3) + 0.012 * periodicFractal(p, {6, 4}, 2, 4);
+    return glm::dvec3(p, 0.085 * knit + fibre * (0.3 + knit));
   };
   const auto brdf = [](glm::dvec2 p, const glm::dvec3&) {
     LocalBrdf b;
     const Knit knit = knitAt(p);
-    const double fleck = smooth(0.1, 0.5, periodicFractal(p, {30, 22}, 2, 41));
+    const double fleck = smooth(0.2, 0.7, periodicFractal(p, {18, 13}, 2, 41));
     const double dye = latticeRandom(knit.stitch.x, knit.stitch.y, 43);
     const double band = 0.5 + 0.5 * std::sin(kTwoPi * p.y);
     const glm::dvec3 yarn = glm::mix(glm::dvec3(0.10, 0.16, 0.42), glm::dvec3(0.42, 0.14, 0.30), smooth(0.25, 0.75, band));

@@ -1,0 +1,308 @@
+// A tile's polygons from a glTF file. Tinygltf parses; this file checks what tinygltf does not: nesting depth,
+// paths, accessor extents, required extensions, node loops.
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "importer/baked_files.h"
+#include "importer/gltf/gltf_document.h"
+#include "importer/mesh_material.h"
+#include "importer/tile_internal.h"
+#include "material/color.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kMaxNodeDepth = 64;
+constexpr size_t kMaxElements = 100'000'000;
+
+// --- Files: only from the glTF's own folder ---------------------------------------------------------------
+
+fs::path confined(const std::string& uri, void* folder) {
+  const auto path = confinedPath(uri.starts_with("./") ? uri.substr(2) : uri, uri);
+  return path ? *static_cast<const fs::path*>(folder) / *path : fs::path();
+}
+bool fileExists(const std::string& uri, void* folder) {
+  std::error_code error;
+  const fs::path path = confined(uri, folder);
+  return !path.empty() && fs::is_regular_file(path, error);
+}
+bool readFile(std::vector<unsigned char>* out, std::string* error, const std::string& uri, void* folder) {
+  const fs::path path = confined(uri, folder);
+  const auto text = path.empty() ? Result<std::string>(Issue{}) : readText(path);
+  if (!text) {
+    *error += "'" + uri + "' cannot be read from the file's folder";
+    return false;
+  }
+  out->assign(text->begin(), text->end());
+  return true;
+}
+std::string sameUri(const std::string& uri, void*) { return uri; }
+bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
+
+// --- Accessors ----------------------------------------------------------------------------------------------
+
+struct ComponentKind {
+  size_t bytes;
+  double normaliser;  // of normalised integers
+};
+
+std::optional<ComponentKind> componentKind(int type) {
+  switch (type) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return ComponentKind{1, 255};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return ComponentKind{2, 65535};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return ComponentKind{4, 4294967295.0};
+    case TINYGLTF_COMPONENT_TYPE_FLOAT: return ComponentKind{4, 1};
+    default: return std::nullopt;
+  }
+}
+
+double component(const unsigned char* at, int type) {
+  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *at;
+  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
+    uint16_t value;
+    return std::memcpy(&value, at, sizeof value), value;
+  }
+  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+    uint32_t value;
+    return std::memcpy(&value, at, sizeof value), value;
+  }
+  float value;
+  return std::memcpy(&value, at, sizeof value), value;
+}
+
+class GltfMeshReader {
+ public:
+  GltfMeshReader(const tinygltf::Model& model, std::string name) : model_(model), name_(std::move(name)) {}
+  Result<PolygonMesh> read();
+
+ private:
+  Status addNode(int node, const glm::dmat4& parent, int depth);
+  Status addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& world, const std::string& where);
+  // [element][channel] as doubles; `channels` must match.
+  Result<std::vector<double>> accessor(int index, int channels, const std::string& where) const;
+  Status addIndices(int index, size_t first, size_t vertices, const std::string& where);
+  Status addBrdfs(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where);
+
+  Issue refuse(int id, const std::string& where, const std::string& why) const {
+    return {id, Severity::kError, name_ + ": " + where, why};
+  }
+
+  const tinygltf::Model& model_;
+  const std::string name_;
+  PolygonMesh mesh_;
+  bool without_uvs_ = false;
+};
+
+glm::dmat4 localMatrix(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
+  glm::dmat4 m(1);
+  if (node.translation.size() == 3) m[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1);
+  if (node.rotation.size() == 4)
+    m *= glm::mat4_cast(glm::normalize(glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2])));
+  if (node.scale.size() == 3)
+    for (int k = 0; k < 3; ++k) m[k] *= node.scale[size_t(k)];
+  return m;
+}
+
+Result<PolygonMesh> GltfMeshReader::read() {
+  if (model_.scenes.empty()) return refuse(issue_id::kGltfNode, "scenes", "there is no scene");
+  const size_t scene = model_.defaultScene >= 0 ? size_t(model_.defaultScene) : 0;
+  if (scene >= model_.scenes.size()) return refuse(issue_id::kGltfNode, "scene", "the default scene does not exist");
+  for (const int node : model_.scenes[scene].nodes)
+    if (const Status status = addNode(node, glm::dmat4(1), 0); !status) return status.issue();
+  if (without_uvs_) mesh_.uvs.clear();
+  return std::move(mesh_);
+}
+
+Status GltfMeshReader::addNode(int index, const glm::dmat4& parent, int depth) {
+  const std::string where = "node " + std::to_string(index);
+  if (index < 0 || size_t(index) >= model_.nodes.size()) return refuse(issue_id::kGltfNode, where, "does not exist");
+  if (depth > kMaxNodeDepth) return refuse(issue_id::kGltfNode, where, "nodes form a loop or nest too deeply");
+  const tinygltf::Node& node = model_.nodes[size_t(index)];
+  const glm::dmat4 world = parent * localMatrix(node);
+  if (node.mesh >= 0) {
+    if (size_t(node.mesh) >= model_.meshes.size()) return refuse(issue_id::kGltfNode, where, "its mesh does not exist");
+    const auto& primitives = model_.meshes[size_t(node.mesh)].primitives;
+    for (size_t k = 0; k < primitives.size(); ++k)
+      if (Status s = addPrimitive(primitives[k], world, "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(k)); !s) return s;
+  }
+  for (const int child : node.children)
+    if (Status s = addNode(child, world, depth + 1); !s) return s;
+  return {};
+}
+
+Result<std::vector<double>> GltfMeshReader::accessor(int index, int channels, const std::string& where) const {
+  const auto bad = [&](const std::string& why) {
+    return refuse(issue_id::kGltfAccessor, where + ", accessor " + std::to_string(index), why);
+  };
+  if (index < 0 || size_t(index) >= model_.accessors.size()) return bad("does not exist");
+  const tinygltf::Accessor& a = model_.accessors[size_t(index)];
+  const auto kind = componentKind(a.componentType);
+  if (!kind || tinygltf::GetNumComponentsInType(uint32_t(a.type)) != channels) return bad("has the wrong type");
+  if (a.sparse.isSparse || a.bufferView < 0) return bad("is sparse or empty; store plain data");
+  if (size_t(a.bufferView) >= model_.bufferViews.size()) return bad("its buffer view does not exist");
+  const tinygltf::BufferView& view = model_.bufferViews[size_t(a.bufferView)];
+  if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size()) return bad("its buffer does not exist");
+  const auto& bytes = model_.buffers[size_t(view.buffer)].data;
+  if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset) return bad("its buffer view ends behind its buffer");
+  const size_t element = kind->bytes * size_t(channels), stride = view.byteStride ? view.byteStride : element;
+  if (a.count == 0 || a.count > kMaxElements || stride < element || stride > 65536) return bad("has no elements, too many, or a bad stride");
+  const uint64_t need = uint64_t(stride) * (a.count - 1) + element;
+  if (a.byteOffset > view.byteLength || need > view.byteLength - a.byteOffset) return bad("ends behind its buffer view");
+  std::vector<double> values;
+  values.reserve(a.count * size_t(channels));
+  const unsigned char* first = bytes.data() + view.byteOffset + a.byteOffset;
+  for (size_t e = 0; e < a.count; ++e)
+    for (int c = 0; c < channels; ++c) {
+      const double value = component(first + e * stride + size_t(c) * kind->bytes, a.componentType);
+      values.push_back(a.normalized ? value / kind->normaliser : value);
+    }
+  return values;
+}
+
+Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& world, const std::string& where) {
+  if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES) return refuse(issue_id::kTileGeometry, where, "is no triangle list");
+  const auto attribute = [&](const char* key) {
+    const auto found = primitive.attributes.find(key);
+    return found == primitive.attributes.end() ? -1 : found->second;
+  };
+  const auto positions = accessor(attribute("POSITION"), 3, where + " POSITION");
+  if (!positions) return positions.issue();
+  const size_t first = mesh_.positions.size(), vertices = positions->size() / 3;
+  // glTF is y up, tiles are z up.
+  const auto zUp = [](const glm::dvec3& v) { return glm::dvec3(v.x, -v.z, v.y); };
+  for (size_t v = 0; v < vertices; ++v)
+    mesh_.positions.push_back(zUp(glm::dvec3(world * glm::dvec4(glm::make_vec3(&(*positions)[3 * v]), 1))));
+
+  mesh_.normals.resize(first, glm::dvec3(0));
+  if (attribute("NORMAL") >= 0) {
+    const auto normals = accessor(attribute("NORMAL"), 3, where + " NORMAL");
+    if (!normals) return normals.issue();
+    if (normals->size() != positions->size()) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of normals and positions");
+    const glm::dmat3 cofactor = glm::transpose(glm::inverse(glm::dmat3(world)));
+    for (size_t v = 0; v < vertices; ++v) mesh_.normals.push_back(zUp(cofactor * glm::make_vec3(&(*normals)[3 * v])));
+  }
+  mesh_.normals.resize(first + vertices, glm::dvec3(0));
+
+  mesh_.uvs.resize(first, glm::dvec2(0));
+  if (attribute("TEXCOORD_0") >= 0) {
+    const auto uvs = accessor(attribute("TEXCOORD_0"), 2, where + " TEXCOORD_0");
+    if (!uvs) return uvs.issue();
+    if (uvs->size() != 2 * vertices) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
+    for (size_t v = 0; v < vertices; ++v) mesh_.uvs.push_back({(*uvs)[2 * v], (*uvs)[2 * v + 1]});
+  } else {
+    without_uvs_ = true;
+  }
+  mesh_.uvs.resize(first + vertices, glm::dvec2(0));
+  if (Status s = addIndices(primitive.indices, first, vertices, where); !s) return s;
+  return addBrdfs(primitive, vertices, where);
+}
+
+Status GltfMeshReader::addIndices(int index, size_t first, size_t vertices, const std::string& where) {
+  std::vector<double> indices;
+  if (index >= 0) {
+    auto read = accessor(index, 1, where + " indices");
+    if (!read) return read.issue();
+    indices = std::move(*read);
+  } else {
+    for (size_t v = 0; v < vertices; ++v) indices.push_back(double(v));
+  }
+  if (indices.size() % 3) return refuse(issue_id::kTileGeometry, where, "its number of indices is no multiple of 3");
+  for (size_t k = 0; k < indices.size(); ++k) {
+    if (!(indices[k] >= 0 && indices[k] < double(vertices)))
+      return refuse(issue_id::kGltfAccessor, where + ", triangle " + std::to_string(k / 3), "names a vertex that does not exist");
+    mesh_.corners.push_back(uint32_t(first + size_t(indices[k])));
+  }
+  mesh_.face_sizes.insert(mesh_.face_sizes.end(), indices.size() / 3, 3);
+  return {};
+}
+
+// Linear RGB at uv (v down, as glTF has it), bilinear, repeated; white if the texture holds no 8-bit pixels.
+glm::vec3 sampleTexture(const tinygltf::Image& image, glm::dvec2 uv) {
+  const int w = image.width, h = image.height, channels = image.component;
+  if (w < 1 || h < 1 || channels < 3 || image.bits != 8 || image.image.size() < size_t(w) * size_t(h) * size_t(channels)) return glm::vec3(1);
+  const glm::dvec2 texel = (uv - glm::floor(uv)) * glm::dvec2(w, h) - 0.5, base = glm::floor(texel), f = texel - base;
+  const auto at = [&](int dx, int dy) {
+    const int x = (int(base.x) + dx + w) % w, y = (int(base.y) + dy + h) % h;
+    const unsigned char* pixel = &image.image[(size_t(y) * size_t(w) + size_t(x)) * size_t(channels)];
+    return glm::dvec3(linearFromSrgb(pixel[0] / 255.0), linearFromSrgb(pixel[1] / 255.0), linearFromSrgb(pixel[2] / 255.0));
+  };
+  return glm::vec3(glm::mix(glm::mix(at(0, 0), at(1, 0), f.x), glm::mix(at(0, 1), at(1, 1), f.x), f.y));
+}
+
+Status GltfMeshReader::addBrdfs(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where) {
+  glm::vec3 base(1);
+  float metallic = 1, roughness = 1;
+  const tinygltf::Image* image = nullptr;
+  int texture_coordinates = 0;
+  if (primitive.material >= 0) {
+    if (size_t(primitive.material) >= model_.materials.size()) return refuse(issue_id::kGltfNode, where, "its material does not exist");
+    const auto& pbr = model_.materials[size_t(primitive.material)].pbrMetallicRoughness;
+    if (pbr.baseColorFactor.size() >= 3) base = glm::vec3(glm::make_vec3(pbr.baseColorFactor.data()));
+    metallic = float(pbr.metallicFactor), roughness = float(pbr.roughnessFactor);
+    const int texture = pbr.baseColorTexture.index;
+    if (texture >= 0 && size_t(texture) < model_.textures.size()) {
+      const int source = model_.textures[size_t(texture)].source;
+      if (source >= 0 && size_t(source) < model_.images.size()) image = &model_.images[size_t(source)];
+      texture_coordinates = pbr.baseColorTexture.texCoord;
+    }
+  } else {
+    base = glm::vec3(0.5f), metallic = 0;
+  }
+  std::vector<double> uvs;
+  if (image) {
+    const auto found = primitive.attributes.find("TEXCOORD_" + std::to_string(texture_coordinates));
+    auto read = accessor(found == primitive.attributes.end() ? -1 : found->second, 2, where + " base colour coordinates");
+    if (!read) return read.issue();
+    if (read->size() != 2 * vertices) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
+    uvs = std::move(*read);
+  }
+  for (size_t v = 0; v < vertices; ++v) {
+    const glm::vec3 tint = image ? sampleTexture(*image, {uvs[2 * v], uvs[2 * v + 1]}) : glm::vec3(1);
+    mesh_.brdfs.push_back(brdfFromMetallicRoughness(base * tint, metallic, roughness));
+  }
+  return {};
+}
+
+Status checkRequired(const nlohmann::ordered_json& json, const std::string& name) {
+  if (arraySize(json, "extensionsRequired") == 0) return {};
+  return Issue{issue_id::kGltfRequired, Severity::kError, name + ": extensionsRequired",
+               json["extensionsRequired"].dump() + " is needed to read this file and not supported; export without"};
+}
+
+}  // namespace
+
+Result<PolygonMesh> readGltfMesh(const fs::path& path) {
+  const std::string name = path.string();
+  const auto bytes = readText(path);
+  if (!bytes) return bytes.issue();
+  const auto document = parseGltf(*bytes, name);  // nesting depth, before tinygltf sees the text
+  if (!document) return document.issue();
+  if (const Status status = checkRequired(document->json, name); !status) return status.issue();
+
+  fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({fileExists, sameUri, readFile, refuseWrite, &folder});
+  tinygltf::Model model;
+  std::string error, warning;
+  const auto size = static_cast<unsigned>(bytes->size());
+  bool loaded = false;
+  try {
+    loaded = document->binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes->data()), size)
+                              : loader.LoadASCIIFromString(&model, &error, &warning, bytes->data(), size, "");
+  } catch (const std::exception& thrown) {
+    error = thrown.what();
+  }
+  if (!loaded) return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};
+  return GltfMeshReader(model, name).read();
+}
+
+}  // namespace loden::importer

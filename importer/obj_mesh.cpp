@@ -1,0 +1,160 @@
+// A tile's polygons from a Wavefront OBJ file: v, vt, vn, f (polygons, negative indices), and Kd, Ks, Ns of the
+// materials beside it. z is up.
+#include <array>
+#include <map>
+#include <sstream>
+
+#include "importer/baked_files.h"
+#include "importer/gltf/gltf_document.h"
+#include "importer/mesh_material.h"
+#include "importer/tile_internal.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ObjReader {
+ public:
+  explicit ObjReader(const fs::path& path) : path_(path) {}
+  Result<PolygonMesh> read(const std::string& text);
+
+ private:
+  Status readLine(const std::string& keyword, std::istringstream& line);
+  Status readFace(std::istringstream& line);
+  Result<uint32_t> vertex(const std::string& corner);
+  Status readMaterials(const std::string& file);
+  Issue refuse(int id, const std::string& why) const {
+    return {id, Severity::kError, path_.string() + ": line " + std::to_string(line_), why};
+  }
+
+  const fs::path path_;
+  int line_ = 0;
+  std::vector<glm::dvec3> positions_, normals_;
+  std::vector<glm::dvec2> uvs_;
+  std::map<std::string, LocalBrdf> materials_;
+  LocalBrdf brdf_;
+  int material_ = 0;  // number of the usemtl in force: vertices are split between materials
+  std::map<std::array<long, 4>, uint32_t> vertices_;
+  PolygonMesh mesh_;
+  bool without_uvs_ = false;
+};
+
+Result<PolygonMesh> ObjReader::read(const std::string& text) {
+  std::istringstream file(text);
+  for (std::string text_line; std::getline(file, text_line);) {
+    ++line_;
+    std::istringstream line(text_line);
+    std::string keyword;
+    line >> keyword;
+    if (const Status status = readLine(keyword, line); !status) return status.issue();
+  }
+  if (without_uvs_) mesh_.uvs.clear();
+  return std::move(mesh_);
+}
+
+Status ObjReader::readLine(const std::string& keyword, std::istringstream& line) {
+  // Numbers as text first: streams refuse "nan", which must be reported as such, with its vertex.
+  const auto number = [&line] {
+    std::string token;
+    line >> token;
+    return token.empty() ? 0.0 : std::strtod(token.c_str(), nullptr);
+  };
+  if (keyword == "v") {
+    const double x = number(), y = number();
+    positions_.push_back({x, y, number()});
+  } else if (keyword == "vt") {
+    const double u = number();
+    uvs_.push_back({u, number()});
+  } else if (keyword == "vn") {
+    const double x = number(), y = number();
+    normals_.push_back({x, y, number()});
+  } else if (keyword == "f") {
+    return readFace(line);
+  } else if (keyword == "mtllib") {
+    std::string file;
+    line >> file;
+    return readMaterials(file);
+  } else if (keyword == "usemtl") {
+    std::string name;
+    line >> name;
+    const auto found = materials_.find(name);
+    brdf_ = found == materials_.end() ? LocalBrdf{} : found->second;
+    ++material_;
+  }
+  return {};
+}
+
+Result<uint32_t> ObjReader::vertex(const std::string& corner) {
+  std::array<long, 4> key{0, 0, 0, material_};
+  const char* at = corner.c_str();
+  const size_t counts[3] = {positions_.size(), uvs_.size(), normals_.size()};
+  for (size_t k = 0; k < 3; ++k) {
+    char* end = nullptr;
+    key[k] = std::strtol(at, &end, 10);
+    if (key[k] < 0) key[k] += long(counts[k]) + 1;
+    if (key[k] < 0 || key[k] > long(counts[k]) || (k == 0 && key[k] == 0))
+      return refuse(issue_id::kTileGeometry, "'" + corner + "' names a vertex that does not exist");
+    if (*end != '/') break;
+    at = end + 1;
+  }
+  const auto [entry, added] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
+  if (added) {
+    mesh_.positions.push_back(positions_[size_t(key[0] - 1)]);
+    mesh_.uvs.push_back(key[1] ? uvs_[size_t(key[1] - 1)] : glm::dvec2(0));
+    mesh_.normals.push_back(key[2] ? normals_[size_t(key[2] - 1)] : glm::dvec3(0));
+    mesh_.brdfs.push_back(brdf_);
+    without_uvs_ = without_uvs_ || key[1] == 0;
+  }
+  return entry->second;
+}
+
+Status ObjReader::readFace(std::istringstream& line) {
+  int corners = 0;
+  for (std::string corner; line >> corner; ++corners) {
+    const auto index = vertex(corner);
+    if (!index) return index.issue();
+    mesh_.corners.push_back(*index);
+  }
+  if (corners < 3) return refuse(issue_id::kTileGeometry, "a face has fewer than three corners");
+  mesh_.face_sizes.push_back(corners);
+  return {};
+}
+
+Status ObjReader::readMaterials(const std::string& file) {
+  const auto relative = confinedPath(file, path_.string() + ": mtllib");
+  if (!relative) return relative.issue();
+  const auto text = readText(path_.parent_path() / *relative);
+  if (!text) return text.issue();
+  std::istringstream lines(*text);
+  LocalBrdf* brdf = nullptr;
+  glm::vec3 specular(0);
+  for (std::string text_line; std::getline(lines, text_line);) {
+    std::istringstream line(text_line);
+    std::string keyword;
+    line >> keyword;
+    if (keyword == "newmtl") {
+      std::string name;
+      line >> name;
+      brdf = &materials_[name];
+      specular = glm::vec3(0);
+    }
+    if (!brdf) continue;
+    if (keyword == "Kd") line >> brdf->diffuse.x >> brdf->diffuse.y >> brdf->diffuse.z;
+    if (keyword == "Ks") line >> specular.x >> specular.y >> specular.z;
+    if (keyword == "Ns") line >> brdf->exponent;
+    brdf->specular = luminance(specular) * lobePeak(brdf->exponent);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<PolygonMesh> readObjMesh(const fs::path& path) {
+  const auto text = readText(path);
+  if (!text) return text.issue();
+  return ObjReader(path).read(*text);
+}
+
+}  // namespace loden::importer

@@ -4,6 +4,8 @@ namespace loden::importer {
 namespace {
 
 constexpr Study kStudies[] = {
+    {"flat-reconstruction", "reference BTF against the Flat-BTF read back (FBTF table 1)", studyFlatReconstruction},
+    {"vdim-interpolation", "looked-up against traced parameters between the views (FBTF figure 10)", studyVdimInterpolation},
     {"view-coherence", "how much a texel's light vector changes with the view (FBTF table 2)", studyViewCoherence},
     {"abrdf-size", "PNG and JPEG bytes of every texel's ABRDF (FBTF table 3)", studyAbrdfSize},
 };

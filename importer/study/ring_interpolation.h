@@ -1,0 +1,18 @@
+// Interpolation between the samples of a ring-ordered direction set.
+#pragma once
+
+#include <array>
+
+#include "material/directions.h"
+
+namespace loden::importer {
+
+struct DirectionWeights {
+  std::array<int, 4> index{};      // samples
+  std::array<double, 4> weight{};  // sum 1
+};
+
+// Linear in azimuth on the two rings around w, linear in theta between them; w beyond the last ring takes that one.
+DirectionWeights interpolateRings(const std::vector<Ring>& rings, const glm::dvec3& w);
+
+}  // namespace loden::importer

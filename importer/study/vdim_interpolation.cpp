@@ -1,0 +1,177 @@
+// How far looked-up parameters are from traced ones at views between the samples (FBTF section 4.2, figure 10).
+//
+// Views are random, uniform in solid angle up to 85 degrees; points x are random, uniform over the tile, and do not
+// fall on texel centres or mesh vertices. The truth is the first hit of the view ray with the tile's own mesh.
+// Both parameters are mapped back to the tile's surface; the error is the distance of the two points' (x, y), in
+// reference texels, to the nearest periodic copy. Rays that miss the mesh are counted and left out.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "importer/fit/paper_vdim.h"
+#include "importer/parallel.h"
+#include "importer/progress.h"
+#include "importer/random.h"
+#include "importer/study/study.h"
+#include "importer/tile_tracer.h"
+#include "material/vdim.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kViews = 256, kPointsPerView = 512;
+
+struct Sample {
+  glm::dvec2 x{0};
+  glm::dvec3 wo{0, 0, 1};
+  glm::dvec2 truth{0};  // (x, y) of the traced point, tile periods
+  bool hit = false;
+};
+
+std::vector<Sample> drawSamples(const TileTracer& tracer, int threads) {
+  std::vector<Sample> samples(size_t(kViews) * kPointsPerView);
+  const double lowest = std::cos(kThetaMax);
+  parallelFor(kViews, threads, [&](size_t v) {
+    const FlushDenormals flush;
+    const uint64_t seed = mixSeed(0x5EED, v);
+    const double z = 1 - uniform(seed, 0) * (1 - lowest);
+    const glm::dvec3 wo = directionFromSpherical({std::acos(z), 2 * kPi * uniform(seed, 1)});
+    for (int k = 0; k < kPointsPerView; ++k) {
+      Sample& sample = samples[v * kPointsPerView + k];
+      sample.wo = wo;
+      sample.x = {uniform(seed, 2 + 2 * k), uniform(seed, 3 + 2 * k)};
+      const auto hit = tracer.intersectView(sample.x, wo);
+      sample.hit = hit.has_value();
+      if (hit) sample.truth = glm::dvec2(hit->position);
+    }
+  });
+  return samples;
+}
+
+// What a lookup gives: the parameter, and how many texture fetches the shader spends on it.
+struct Answer {
+  glm::dvec2 p{0};
+  int fetches = 0;
+};
+
+struct Candidate {
+  std::string map, lookup;
+  size_t bytes = 0;  // on the GPU
+  std::function<Answer(glm::dvec2 x, const glm::dvec3& wo)> find;
+};
+
+double periodicDistance(glm::dvec2 a, glm::dvec2 b) {
+  const glm::dvec2 d = a - b;
+  return glm::length(d - glm::round(d));
+}
+
+StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples, const GeometryImage& geometry,
+                 const std::string& tile, const StudyOptions& options) {
+  std::vector<double> errors(samples.size(), -1);
+  std::vector<int> fetches(samples.size(), 0);
+  parallelFor(kViews, options.threads, [&](size_t v) {
+    for (size_t i = v * kPointsPerView; i < (v + 1) * kPointsPerView; ++i) {
+      if (!samples[i].hit) continue;
+      const Answer answer = candidate.find(samples[i].x, samples[i].wo);
+      const auto point = surfaceAt(geometry, answer.p);
+      errors[i] = periodicDistance(glm::dvec2(point.position), samples[i].truth) * options.size;
+      fetches[i] = answer.fetches;
+    }
+  });
+  double sum = 0, fetch_sum = 0;
+  for (size_t i = 0; i < errors.size(); ++i) fetch_sum += errors[i] >= 0 ? fetches[i] : 0;
+  std::erase_if(errors, [](double e) { return e < 0; });
+  std::sort(errors.begin(), errors.end());
+  const size_t count = errors.size();
+  for (const double error : errors) sum += error;
+  const auto over = count - (std::upper_bound(errors.begin(), errors.end(), 1.0) - errors.begin());
+  const auto percentile = [&](double share) { return count ? errors[std::min(count - 1, static_cast<size_t>(share * double(count)))] : 0; };
+  const double n = double(std::max<size_t>(1, count));
+  StudyRow row;
+  row.set("tile", tile).set("size", options.size).set("map", candidate.map).set("lookup", candidate.lookup);
+  row.set("fetches", fetch_sum / n).set("bytes", uint64_t{candidate.bytes}).set("mean_texels", sum / n);
+  row.set("median_texels", percentile(0.5)).set("p95_texels", percentile(0.95)).set("over_1_texel", double(over) / n);
+  return row.set("samples", uint64_t{count});
+}
+
+// The published map of the bake, blended as published.
+Result<Candidate> paperCandidate(const BakedOutput& baked, glm::ivec2 shape) {
+  const auto displacements = baked.vdim(shape.x, shape.y);
+  if (!displacements) return displacements.issue();
+  auto vdim = std::make_shared<PaperVdim>(packPaperVdim(*displacements, baked.manifest().size, shape.x, shape.y));
+  const size_t bytes = vdim->reference.data.size() + vdim->packed.data.size();
+  const auto find = [vdim](glm::dvec2 x, const glm::dvec3& wo) { return Answer{paperVdimLookup(*vdim, x, wo), 2}; };
+  return Candidate{"latlong:" + std::to_string(shape.x) + "x" + std::to_string(shape.y), "paper", bytes, find};
+}
+
+Result<GeometryImage> geometryOf(const BakedOutput& baked) {
+  const auto texels = baked.geometry();
+  if (!texels) return texels.issue();
+  const int side = baked.manifest().geometry_size;
+  std::vector<glm::dvec3> positions;
+  std::vector<uint16_t> charts;
+  for (size_t t = 0; t < texels->size(); ++t) {
+    const glm::vec4& texel = (*texels)[t];
+    const glm::dvec2 p((double(t % side) + .5) / side, (double(t / side) + .5) / side);
+    positions.emplace_back(glm::dvec2(texel) + p, std::min(texel.z, 0.0f));
+    charts.push_back(static_cast<uint16_t>(texel.w));
+  }
+  return encodeGeometryImage(side, positions, charts, baked.manifest().identity_parameterization);
+}
+
+std::vector<Candidate> searchCandidates(const GeometryImage& geometry, const GeometryTracer& tracer, VdimAtlasSize size, int threads) {
+  const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, tracer, size, threads));
+  const size_t bytes = atlas->bytes() + geometry.texels.data.size();
+  const std::string map = "concentric:" + std::to_string(size.directions) + " of " + std::to_string(size.texels) + "x" + std::to_string(size.texels);
+  const auto with = [&](const char* name, VdimTier tier) {
+    const auto find = [atlas, &geometry, tier](glm::dvec2 x, const glm::dvec3& wo) {
+      const auto hit = vdimLookup(geometry, *atlas, tier, x, wo);
+      return Answer{hit.p, hit.fetches};
+    };
+    return Candidate{map, name, bytes, find};
+  };
+  return {with("fast", VdimTier::kFast), with("default", VdimTier::kDefault)};
+}
+
+Status measureTile(const std::string& name, const StudyOptions& options, StudyRows& rows) {
+  const auto baked = studyBake(options, name);
+  if (!baked) return baked.issue();
+  const auto tile = loadTile(studyTileName(name));
+  if (!tile) return tile.issue();
+  const auto geometry = geometryOf(*baked);
+  if (!geometry) return geometry.issue();
+  const TileTracer mesh(*tile);
+  const GeometryTracer traced(*geometry);
+  const auto samples = drawSamples(mesh, options.threads);
+  std::vector<Candidate> candidates;
+  for (const glm::ivec2 shape : baked->manifest().vdims) {
+    auto candidate = paperCandidate(*baked, shape);
+    if (!candidate) return candidate.issue();
+    candidates.push_back(std::move(*candidate));
+  }
+  for (const VdimAtlasSize size : {VdimAtlasSize{16, 16}, VdimAtlasSize{32, 16}, VdimAtlasSize{64, 16}})
+    for (Candidate& candidate : searchCandidates(*geometry, traced, size, options.threads)) candidates.push_back(std::move(candidate));
+  candidates.push_back({"geometry " + std::to_string(geometry->side()), "quality", geometry->texels.data.size(),
+                        [&](glm::dvec2 x, const glm::dvec3& wo) {
+                          const auto hit = traced.traceView(x, wo);
+                          return Answer{hit ? hit->p : x, 0};
+                        }});
+  Progress progress("vdim-interpolation " + name, candidates.size(), options.quiet);
+  for (const Candidate& candidate : candidates) {
+    rows.push_back(measure(candidate, samples, *geometry, name, options));
+    progress.advance();
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<StudyRows> studyVdimInterpolation(const StudyOptions& options) {
+  StudyRows rows;
+  for (const std::string& tile : options.tiles)
+    if (const Status status = measureTile(tile, options, rows); !status) return status.issue();
+  return rows;
+}
+
+}  // namespace loden::importer

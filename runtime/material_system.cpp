@@ -1,7 +1,9 @@
 #include "runtime/material_system.h"
 
 #include <algorithm>
+#include <atomic>
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "material/check.h"
@@ -234,6 +236,7 @@ void MaterialSystem::Impl::takeDeliveries() {
       continue;
     }
     Issue issue = delivery.part.issue();
+    issue.severity = Severity::kWarning;
     issue.text += "; a coarser level is shown instead";
     device->log(issue);
     ++stats.failed_parts;

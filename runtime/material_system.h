@@ -28,7 +28,7 @@ struct MaterialSystemOptions {
   uint64_t upload_bytes_per_frame = 1u << 20;   // at least one row of texels goes up per frame
   float fade_levels_per_second = 4;             // of arriving detail
   Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM
-  VdimAtlasSize atlas_size;                     // at most; smaller where the budget is tight
+  VdimAtlasSize atlas_size{};                   // at most; smaller where the budget is tight
   int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
 };
 

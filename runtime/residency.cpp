@@ -92,9 +92,11 @@ uint32_t Residency::wantedParts(const Material& material) const {
 }
 
 // Wanted parts, the most needed first: floors, then coarse before fine. What is already there gets a head start,
-// so that two materials of equal need do not push each other out in turns.
+// so that two materials of equal need do not push each other out in turns. Floors that are there need no place
+// in the order: they come first anyway, which keeps thousands of unseen materials cheap.
 void Residency::collectCandidates() {
   candidates_.clear();
+  target_bytes_ = 0;
   for (uint32_t slot = 0; slot < materials_.size(); ++slot) {
     Material& material = materials_[slot];
     const uint32_t wanted = wantedParts(material);
@@ -107,6 +109,12 @@ void Residency::collectCandidates() {
       if (part.state == State::kFailed) break;
       const float head_start = part.state == State::kAbsent ? 0 : options_.hysteresis_lambda;
       rank = std::min(rank, part.desc.lambda_end + head_start);
+      if (i < material.floor_parts && part.state == State::kResident &&
+          part.desc.bytes <= options_.budget_bytes - target_bytes_) {
+        part.targeted = true;
+        target_bytes_ += part.desc.bytes;
+        continue;
+      }
       candidates_.push_back({{slot, i}, i < material.floor_parts, rank});
     }
   }
@@ -120,13 +128,12 @@ void Residency::collectCandidates() {
 // Marks as many candidates as the budget holds. A part that does not fit ends its material's list; smaller
 // parts of others may still fit.
 void Residency::chooseTargets() {
-  uint64_t bytes = 0;
   for (const Candidate& candidate : candidates_) {
     Part& part = at(candidate.ref);
     const bool follows = candidate.ref.part == 0 || at({candidate.ref.slot, candidate.ref.part - 1}).targeted;
-    if (!follows || part.desc.bytes > options_.budget_bytes - bytes) continue;
+    if (!follows || part.desc.bytes > options_.budget_bytes - target_bytes_) continue;
     part.targeted = true;
-    bytes += part.desc.bytes;
+    target_bytes_ += part.desc.bytes;
   }
   victims_.clear();
   next_victim_ = 0;

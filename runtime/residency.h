@@ -105,7 +105,7 @@ class Residency {
   std::vector<PartRef> victims_;  // resident, not targeted, least recently wanted first
   size_t next_victim_ = 0;
   Actions actions_;
-  uint64_t committed_ = 0;
+  uint64_t committed_ = 0, target_bytes_ = 0;
   int loading_ = 0, resident_parts_ = 0;
   int64_t frame_ = 0;
   bool settled_ = true;

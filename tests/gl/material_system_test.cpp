@@ -1,0 +1,316 @@
+// Streaming, binding and engine manners of the material system.
+#include <epoxy/gl.h>
+
+#include <atomic>
+
+#include "material/issues.h"
+#include "tests/gl/gl_fixture.h"
+#include "tests/gl/gl_state_dump.h"
+#include "tests/unit/material_fixtures.h"
+
+namespace loden::test {
+namespace {
+
+using namespace runtime;
+
+using MaterialSystemTest = GlTest;
+using EngineManners = GlTest;
+
+// A fused material whose parts are larger than the floor: 64 x 64 texels, 25 x 36 x 25 directions a quad.
+Material largeFused(uint32_t seed) {
+  Material material = fusedMaterial();
+  material.name = "large " + std::to_string(seed);
+  material.side = 64;
+  material.grid = {6, 25, 1.3f};
+  for (Band& band : material.bands) {
+    const bool flat = band.domain == Domain::kFlat;
+    band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, flat ? 64 : 32, flat ? 64 : 32,
+                                band.layers(), flat ? 1 : 6, seed);
+    band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * band.quads(), 1, seed + 9);
+  }
+  return material;
+}
+
+double meanDifference(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    for (int c = 0; c < 3; ++c) sum += std::abs(double(a[i][c]) - double(b[i][c]));
+  return sum / double(3 * a.size());
+}
+
+// Reads fine until it is told to break.
+class BreakableSource final : public ByteSource {
+ public:
+  explicit BreakableSource(std::shared_ptr<const ByteSource> source) : source_(std::move(source)) {}
+  uint64_t size() const override { return source_->size(); }
+  Status read(uint64_t offset, std::span<std::byte> into) const override {
+    if (mode == kVanished) return Issue{issue_id::kCannotRead, Severity::kError, "breakable", "the file is gone"};
+    if (Status status = source_->read(offset, into); !status) return status;
+    if (mode == kDamaged && !into.empty()) into[into.size() / 2] ^= std::byte{0x40};
+    return {};
+  }
+  enum Mode { kWhole, kVanished, kDamaged };
+  std::atomic<Mode> mode{kWhole};
+
+ private:
+  std::shared_ptr<const ByteSource> source_;
+};
+
+TEST_F(MaterialSystemTest, LoadsWhatIsDemandedAndNothingElse) {
+  auto system = makeMaterials();
+  const MaterialId id = load(*system, largeFused(1));
+  const uint64_t header = system->stats().read_bytes;
+  system->update(0.1f);
+  EXPECT_EQ(system->stats().uploaded_bytes, 0u) << "nothing was demanded";
+  system->demand(id, 3);
+  system->finishLoading();
+  EXPECT_EQ(system->stats().parts_resident, 1) << "the reference band";
+  const uint64_t coarse = system->stats().resident_bytes;
+  const uint64_t read = system->stats().read_bytes - header;
+  EXPECT_FLOAT_EQ(system->residentLambda(id), 2);
+  system->demand(id, 0);
+  system->finishLoading();
+  EXPECT_EQ(system->stats().parts_resident, 3) << "and geometry, and the flat band";
+  EXPECT_EQ(system->residentLambda(id), 0);
+  EXPECT_GT(system->stats().resident_bytes, coarse);
+  EXPECT_GT(system->stats().read_bytes - header, read);
+  EXPECT_EQ(system->stats().resident_bytes, system->stats().total_bytes);
+}
+
+TEST_F(MaterialSystemTest, DrawsEveryMode) {
+  auto system = makeMaterials();
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) {
+    const MaterialId id = load(*system, material);
+    system->demand(id, 0);
+    system->finishLoading();
+    const std::vector<glm::vec4> pixels = drawMaterial(*system, id, 0);
+    float low = 1e9f, high = -1e9f;
+    for (const glm::vec4& pixel : pixels) {
+      ASSERT_TRUE(std::isfinite(pixel.x + pixel.y + pixel.z)) << material.name;
+      low = std::min(low, pixel.y);
+      high = std::max(high, pixel.y);
+      EXPECT_EQ(pixel.w, 0) << "lambda";
+    }
+    EXPECT_GT(high - low, 0.01f) << material.name << " shows no texture";
+  }
+}
+
+TEST_F(MaterialSystemTest, ClampsLambdaToWhatIsResident) {
+  auto system = makeMaterials();
+  const MaterialId id = load(*system, largeFused(2));
+  system->demand(id, 3);
+  system->finishLoading();
+  for (const glm::vec4& pixel : drawMaterial(*system, id, 0.5f)) ASSERT_EQ(pixel.w, 2);
+}
+
+TEST_F(MaterialSystemTest, ShowsTheMeanBeforeAnythingIsResident) {
+  auto system = makeMaterials({.budget_bytes = 0});
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) {
+    const MaterialId id = load(*system, material);
+    system->demand(id, 0);
+    system->finishLoading();
+    EXPECT_EQ(system->stats().resident_bytes, 0u);
+    const std::vector<glm::vec4> pixels = drawMaterial(*system, id, 0);
+    EXPECT_GT(pixels[0].y, 0.05f) << material.name;
+    for (const glm::vec4& pixel : pixels) ASSERT_EQ(pixel, pixels[0]) << material.name;
+  }
+}
+
+TEST_F(MaterialSystemTest, StaysWithinBudgetAndUploadBoundOnEveryFrame) {
+  for (const uint64_t budget : {300u << 10, 1u << 20, 8u << 20}) {
+    auto system = makeMaterials({.budget_bytes = budget, .upload_bytes_per_frame = 20 << 10});
+    std::vector<MaterialId> ids;
+    for (uint32_t i = 0; i < 6; ++i) ids.push_back(load(*system, largeFused(10 + i)));
+    for (int frame = 0; frame < 240; ++frame) {
+      system->demand(ids[size_t(frame / 40)], 0);
+      system->update(1.0f / 60);
+      ASSERT_LE(system->stats().resident_bytes, budget);
+      // One row of the widest texture may exceed what is left of the bound.
+      ASSERT_LE(system->stats().uploaded_last_frame, (20u << 10));
+    }
+    EXPECT_GT(system->stats().uploaded_bytes, 0u);
+  }
+}
+
+TEST_F(MaterialSystemTest, FadesInWithoutAPop) {
+  auto system = makeMaterials();
+  const MaterialId id = load(*system, largeFused(3));
+  std::vector<glm::vec4> before = drawMaterial(*system, id, 0, {16, 16});
+  const std::vector<glm::vec4> first = before;
+  double largest = 0, total = 0;
+  for (int frame = 0; frame < 4000; ++frame) {
+    system->demand(id, 0);
+    system->update(1.0f / 60);
+    if (system->residentLambda(id) == 0) break;
+    std::vector<glm::vec4> now = drawMaterial(*system, id, 0, {16, 16});
+    largest = std::max(largest, meanDifference(before, now));
+    before = std::move(now);
+  }
+  total = meanDifference(first, before);
+  EXPECT_EQ(system->residentLambda(id), 0);
+  EXPECT_LT(largest, 0.2 * total) << "one frame brings more than a fifth of the whole change";
+}
+
+TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {
+  for (const BreakableSource::Mode mode : {BreakableSource::kVanished, BreakableSource::kDamaged}) {
+    messages.clear();
+    auto system = makeMaterials();
+    auto source = std::make_shared<BreakableSource>(assetSource(largeFused(4)));
+    Result<MaterialId> id = system->load(source, "breakable");
+    ASSERT_TRUE(id.ok());
+    system->demand(*id, 3);
+    system->finishLoading();
+    source->mode = mode;
+    system->demand(*id, 0);
+    system->finishLoading();
+    EXPECT_EQ(system->residentLambda(*id), 2);
+    EXPECT_EQ(system->stats().failed_parts, 2u) << "geometry and flat band were both asked for";
+    ASSERT_EQ(messages.size(), 2u);
+    EXPECT_EQ(messages[0].severity, Severity::kWarning);
+    EXPECT_EQ(messages[0].id, mode == BreakableSource::kVanished ? issue_id::kCannotRead : issue_id::kChunkChecksum);
+    EXPECT_GT(drawMaterial(*system, *id, 0)[0].y, 0);
+  }
+  messages.clear();
+}
+
+TEST_F(MaterialSystemTest, UnloadsWhileLoading) {
+  auto system = makeMaterials({.upload_bytes_per_frame = 4096});
+  for (int i = 0; i < 10; ++i) {
+    const MaterialId id = load(*system, largeFused(5));
+    for (int frame = 0; frame < i; ++frame) {
+      system->demand(id, 0);
+      system->update(1.0f / 60);
+    }
+    system->unload(id);
+  }
+  system->update(1.0f / 60);
+  EXPECT_EQ(system->stats().materials, 0);
+  EXPECT_EQ(system->stats().total_bytes, 0u);
+  EXPECT_EQ(system->stats().resident_bytes, 0u);
+}
+
+TEST_F(MaterialSystemTest, RefusesWhatIsNoAsset) {
+  auto system = makeMaterials();
+  const Result<MaterialId> id = system->load(memorySource(std::vector<std::byte>(100), "zeros"), "zeros");
+  ASSERT_FALSE(id.ok());
+  EXPECT_EQ(id.issue().id, issue_id::kMagic);
+  EXPECT_FALSE(system->load("/no/such/file.loden").ok());
+}
+
+TEST_F(EngineManners, EveryPublicCallLeavesGlStateAsFound) {
+  disturbGlState();
+  const GlState before = dumpGlState();
+  ASSERT_GE(before.size(), 60u);
+  const auto expectUnchanged = [&](const char* call) {
+    for (const std::string& name : differences(before, dumpGlState())) ADD_FAILURE() << call << " changed " << name;
+  };
+  auto system = makeMaterials();
+  expectUnchanged("create");
+  std::vector<MaterialId> ids;
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) ids.push_back(load(*system, material));
+  expectUnchanged("load");
+  for (MaterialId id : ids) system->demand(id, 0);
+  system->update(0.1f);
+  expectUnchanged("update");
+  system->finishLoading();
+  expectUnchanged("finishLoading");
+  const RenderTarget target = makeRenderTarget({4, 4}, ColorFormat::kSrgb8, "target");
+  readLinear(target);
+  readCodes(target);
+  expectUnchanged("render target");
+  system->unload(ids[0]);
+  expectUnchanged("unload");
+  system.reset();
+  expectUnchanged("destruction");
+}
+
+// Counts live names of one kind by asking for each of the first few thousand.
+template <class IsName>
+int countNames(IsName isName) {
+  int count = 0;
+  for (GLuint name = 1; name < 4096; ++name) count += isName(name) ? 1 : 0;
+  return count;
+}
+int liveNames() { return countNames(glIsTexture) + countNames(glIsBuffer) + countNames(glIsProgram); }
+
+TEST_F(EngineManners, LeavesNoNamesBehind) {
+  const int before = liveNames();
+  {
+    auto system = makeMaterials();
+    for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) {
+      const MaterialId id = load(*system, material);
+      system->demand(id, 0);
+      system->finishLoading();
+      drawMaterial(*system, id, 0);
+    }
+    EXPECT_GT(liveNames(), before);
+  }
+  EXPECT_EQ(liveNames(), before);
+}
+
+TEST_F(EngineManners, LabelsEveryObject) {
+  auto system = makeMaterials();
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) {
+    system->demand(load(*system, material), 0);
+    system->finishLoading();
+  }
+  int textures = 0;
+  for (GLuint name = 1; name < 4096; ++name) {
+    for (const GLenum kind : {GL_TEXTURE, GL_BUFFER}) {
+      if (!(kind == GL_TEXTURE ? glIsTexture(name) : glIsBuffer(name))) continue;
+      GLsizei length = 0;
+      glGetObjectLabel(kind, name, 0, &length, nullptr);
+      EXPECT_GT(length, 0) << name;
+      ++textures;
+    }
+  }
+  EXPECT_GT(textures, 10);
+}
+
+TEST_F(EngineManners, SurvivesTwentyLostContexts) {
+  auto system = makeMaterials();
+  std::vector<MaterialId> ids;
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) ids.push_back(load(*system, material));
+  std::vector<std::vector<glm::vec4>> reference;
+  int names = 0;
+  for (int loss = 0; loss <= 20; ++loss) {
+    for (MaterialId id : ids) system->demand(id, 0);
+    if (loss % 3 == 1) system->update(0.01f);  // lose it while parts are on their way
+    else system->finishLoading();
+    if (loss % 3 != 1) {
+      std::vector<std::vector<glm::vec4>> pictures;
+      for (MaterialId id : ids) pictures.push_back(drawMaterial(*system, id, 0));
+      if (reference.empty()) {
+        reference = pictures;
+        names = liveNames();
+      }
+      EXPECT_TRUE(pictures == reference) << "after " << loss << " losses";
+      EXPECT_EQ(liveNames(), names) << "after " << loss << " losses";
+    }
+    system->contextLost();
+    ASSERT_TRUE(device->recreate().ok());
+    ASSERT_TRUE(system->contextRestored().ok());
+  }
+}
+
+TEST_F(EngineManners, WorkOnTwoDevicesAtOnce) {
+  auto first = makeMaterials();
+  std::unique_ptr<Device> other = makeDevice();
+  Result<std::unique_ptr<MaterialSystem>> second = MaterialSystem::create(*other, {});
+  ASSERT_TRUE(second.ok());
+  const MaterialId b = load(**second, fusedMaterial());
+  (*second)->demand(b, 0);
+  (*second)->finishLoading();
+  const std::vector<glm::vec4> on_other = drawMaterial(**second, b, 0);
+  device->makeCurrent();
+  const MaterialId a = load(*first, fusedMaterial());
+  first->demand(a, 0);
+  first->finishLoading();
+  EXPECT_TRUE(drawMaterial(*first, a, 0) == on_other);
+  first.reset();
+  other->makeCurrent();
+  second->reset();
+}
+
+}  // namespace
+}  // namespace loden::test

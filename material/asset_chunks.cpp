@@ -216,6 +216,10 @@ Result<std::vector<std::byte>> readStored(const ByteSource& source, const ChunkI
 
 Result<std::vector<std::byte>> readRaw(const ByteSource& source, const ChunkInfo& chunk,
                                        const std::string& where) {
+  // The table's own check has said so too, but a best-effort reader comes here all the same.
+  const bool sizes_fit = chunk.raw_bytes <= Limits::kMaxChunkBytes &&
+                         (chunk.codec != kCodecStored || chunk.raw_bytes == chunk.stored_bytes);
+  if (!sizes_fit) return chunkIssue(issue_id::kChunkTable, where, "the chunk's sizes contradict each other");
   Result<std::vector<std::byte>> stored = readStored(source, chunk, where);
   if (!stored || chunk.codec == kCodecStored) return stored;
   return decompress(*stored, chunk.raw_bytes, where);

@@ -114,10 +114,11 @@ Contents readContents(const ByteSource& source, IssueList& issues) {
   Contents contents;
   contents.chunks = readChunkTable(source, issues);
   if (contents.chunks.empty()) return contents;
+  const bool table_is_valid = issues.empty();
   contents.present = countPresent(contents.chunks, source.size());
   checkTypes(contents.chunks, issues);
   if (!readHeader(source, contents, issues)) return contents;
-  contents.described = checkParts(contents.chunks, contents.skeleton, issues);
+  contents.described = checkParts(contents.chunks, contents.skeleton, issues) && table_is_valid;
   return contents;
 }
 

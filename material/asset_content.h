@@ -15,7 +15,7 @@ struct Contents {
   std::vector<ChunkInfo> chunks;
   int present = 0;         // chunks, from the front, that lie wholly inside the source
   Material skeleton;       // all that HEAD declares, without texels
-  bool described = false;  // skeleton is valid and the chunks are the ones that it asks for
+  bool described = false;  // table and skeleton are valid, and the chunks are what HEAD asks for
 };
 Contents readContents(const ByteSource& source, IssueList& issues);
 

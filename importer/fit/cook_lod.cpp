@@ -114,11 +114,14 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
 
 }  // namespace
 
+Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
+  return options.preset == Preset::kSeed ? cookSeed(source, btf, options) : cookMipMapped(source, btf, options);
+}
+
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options) {
   auto btf = loadYcc(source, options.threads);
   if (!btf) return btf.issue();
-  Result<Material> m = options.preset == Preset::kSeed ? cookSeed(source, *btf, options)
-                                                       : cookMipMapped(source, *btf, options);
+  auto m = fitLod(source, *btf, options);
   if (!m) return m;
   const BtfError error = measureError(*m, *btf, source.lights(), source.views(), {}, options.threads);
   m->meta_json = cookMeta(*m, source.name(), presetName(options.preset), &error);

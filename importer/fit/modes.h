@@ -2,7 +2,7 @@
 #pragma once
 
 #include "importer/cook.h"
-#include "importer/btf_source.h"
+#include "importer/fit/ycc_btf.h"
 
 namespace loden::importer {
 
@@ -11,6 +11,8 @@ Result<GeometryImage> geometryOf(const BakedOutput& input, int side);
 
 // LBTF: bands in the reference domain. Preset seed as published, the others improved.
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
+// The same from data that is in memory already, without measuring.
+Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options);
 
 // Fine bands in the flat domain, coarse bands in the reference domain.
 Result<Material> cookFused(const BtfSource& source, const GeometryImage& geometry, const CookOptions& options);

@@ -8,6 +8,8 @@ constexpr Study kStudies[] = {
     {"vdim-interpolation", "looked-up against traced parameters between the views (FBTF figure 10)", studyVdimInterpolation},
     {"view-coherence", "how much a texel's light vector changes with the view (FBTF table 2)", studyViewCoherence},
     {"abrdf-size", "PNG and JPEG bytes of every texel's ABRDF (FBTF table 3)", studyAbrdfSize},
+    {"lod-fit", "error per channel against components, mode and bytes (LBTF table 1, figure 6)", studyLodFit},
+    {"minification", "the value at lambda 0 to 6 against the area-averaged truth (LBTF figure 7)", studyMinification},
 };
 
 }  // namespace

@@ -1,0 +1,191 @@
+// Error per channel against components, mode and bytes (LBTF table 1, figure 6 and the 43.9x of section 4.2), at
+// the sampled directions over all texels and pairs, and at random directions between them against the traced tile.
+// Fused rows go through the shader's own default lookup at the atlas size that gpu_bytes counts.
+#include <cmath>
+
+#include "importer/cook.h"
+#include "importer/fit/fused_plan.h"
+#include "importer/fit/meta.h"
+#include "importer/fit/modes.h"
+#include "importer/parallel.h"
+#include "importer/progress.h"
+#include "importer/study/random_directions.h"
+#include "importer/study/study.h"
+#include "importer/tile_tracer.h"
+#include "material/color.h"
+#include "material/evaluate.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kReferenceSteps[] = {1, 2, 4, 8, 12, 16, 24};  // Y components, nested: one fit serves all
+constexpr int kFusedSteps[] = {4, 8, 12, 16, 24};            // one joint fit each
+constexpr int kUnsampled = 20000;                            // random (texel, light, view)
+constexpr int kSubsamples = 4;                               // per texel side, of the traced truth
+
+struct TileData {
+  std::string tile;
+  int size = 0;
+  std::unique_ptr<BtfSource> source;
+  YccBtf btf;
+};
+
+// A pair of directions between the samples, and what the traced tile shows over one texel.
+struct Unsampled {
+  glm::dvec2 x{0};  // the texel's centre
+  glm::dvec3 wi, wo, truth;  // truth: Y, Cb, Cr
+};
+
+glm::dvec3 tracedTexel(const TileTracer& tracer, glm::dvec2 centre, int size, const glm::dvec3& wi, const glm::dvec3& wo) {
+  glm::dvec3 sum(0);
+  for (int s = 0; s < kSubsamples * kSubsamples; ++s) {
+    const glm::dvec2 offset = (glm::dvec2(s % kSubsamples, s / kSubsamples) + 0.4871) / double(kSubsamples) - 0.5;
+    if (const auto hit = tracer.intersectView(centre + offset / double(size), wo)) sum += shadeHit(tracer, *hit, wi, wo, 0, 0);
+  }
+  return sum / double(kSubsamples * kSubsamples);
+}
+
+Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const TileData& data, double theta_max) {
+  auto tile = loadTile(studyTileName(data.tile));
+  if (!tile) return tile.issue();
+  const TileTracer tracer(*tile);
+  std::vector<Unsampled> samples(kUnsampled);
+  std::mt19937_64 random(2026);
+  for (Unsampled& s : samples) {
+    const int texel = static_cast<int>(random() % uint64_t(data.size * data.size));
+    s.x = glm::dvec2(texel % data.size + 0.5, texel / data.size + 0.5) / double(data.size);
+    s.wi = randomDirection(random, theta_max);
+    s.wo = randomDirection(random, theta_max);
+  }
+  parallelFor(samples.size(), options.threads, [&](size_t i) {
+    const FlushDenormals flush;
+    Unsampled& s = samples[i];
+    s.truth = yccFromRgb(tracedTexel(tracer, s.x, data.size, s.wi, s.wo));
+  });
+  return samples;
+}
+
+BtfError unsampledError(const Material& material, const std::vector<Unsampled>& samples, int threads) {
+  const Evaluator evaluator(material, {}, threads);
+  std::vector<glm::dvec3> difference(samples.size());
+  parallelFor(samples.size(), threads, [&](size_t i) {
+    const Unsampled& s = samples[i];
+    difference[i] = yccFromRgb(evaluator.evaluate(evaluator.findHit(s.x, 0.0, s.wo), s.wi, s.wo)) - s.truth;
+  });
+  BtfError error;
+  for (const glm::dvec3& d : difference)
+    for (int c = 0; c < 3; ++c) {
+      error.channel[c].mse += d[c] * d[c] / double(samples.size());
+      error.channel[c].mae += std::abs(d[c]) / double(samples.size());
+    }
+  return error;
+}
+
+// The first y components of a material whose components are ordered by energy: the rest is silenced, and its
+// quads are dropped from the count of bytes.
+Material keepComponents(const Material& whole, int y) {
+  Material kept = whole;
+  for (Band& band : kept.bands)
+    for (int c = y; c < 4 * band.y_quads; ++c) band.quad_scale[size_t(c / 4)][c % 4] = 0;
+  return kept;
+}
+uint64_t droppedBytes(const Material& whole, int y) {
+  uint64_t bytes = 0;
+  for (const Band& band : whole.bands) {
+    const auto dropped = uint64_t(std::max(band.y_quads - (y + 3) / 4, 0));
+    bytes += dropped * (band.table.data.size() / uint64_t(band.quads()) + band.weights.data.size() / uint64_t(band.weights.depth));
+  }
+  return bytes;
+}
+
+struct RowContext {
+  const TileData& data;
+  const char* preset;
+  const char* storage;
+  const char* directions;
+};
+
+StudyRow errorRow(const RowContext& context, const Material& m, int y, uint64_t dropped, const BtfError& error) {
+  uint64_t coefficients = 0;
+  for (const Band& band : m.bands) coefficients += band.bytes();
+  const int chroma = m.bands.empty() ? 0 : 2 * m.bands.front().chroma_quads;
+  const std::string counts = std::to_string(y) + "," + std::to_string(chroma) + "," + std::to_string(chroma);
+  StudyRow row;
+  row.set("tile", context.data.tile).set("size", context.data.size).set("mode", modeName(m.mode));
+  row.set("preset", context.preset).set("components", counts).set("storage", context.storage);
+  row.set("coefficient_bytes", coefficients - dropped).set("file_bytes", rawFileBytes(m) - dropped);
+  row.set("gpu_bytes", residentBytes(m, VdimAtlasSize{}) - dropped);
+  const char* names[3] = {"y", "cb", "cr"};
+  for (int c = 0; c < 3; ++c) {
+    const std::string name = names[c];
+    row.set("rmse_" + name, error.channel[c].rmse()).set("mse_" + name, error.channel[c].mse).set("mae_" + name, error.channel[c].mae);
+  }
+  if (error.max_image_mse[0] > 0) row.set("min_image_mse_y", error.min_image_mse[0]).set("max_image_mse_y", error.max_image_mse[0]);
+  row.set("directions", context.directions);
+  return row;
+}
+
+// One mode of the reference domain: a fit with the most components, then its leading ones.
+Status addReferenceRows(const StudyOptions& options, const TileData& data, const std::vector<Unsampled>& unsampled,
+                        Preset preset, int usual, StudyRows& rows) {
+  CookOptions cook;
+  cook.mode = Mode::kLod;
+  cook.preset = preset;
+  cook.y_components = 24;
+  cook.threads = options.threads;
+  const auto whole = fitLod(*data.source, data.btf, cook);
+  if (!whole) return whole.issue();
+  const char* storage = preset == Preset::kSeed ? "float32" : "snorm8";
+  for (const int y : kReferenceSteps) {
+    const Material m = keepComponents(*whole, y);
+    const BtfError error = measureError(m, data.btf, data.source->lights(), data.source->views(), {}, options.threads);
+    rows.push_back(errorRow({data, presetName(preset), storage, "sampled"}, m, y, droppedBytes(*whole, y), error));
+    if (y == usual)
+      rows.push_back(errorRow({data, presetName(preset), storage, "unsampled"}, m, y, droppedBytes(*whole, y),
+                              unsampledError(m, unsampled, options.threads)));
+  }
+  return {};
+}
+
+Status addFusedRows(const StudyOptions& options, const TileData& data, const BakedOutput& baked,
+                    const std::vector<Unsampled>& unsampled, StudyRows& rows) {
+  for (const int y : kFusedSteps) {
+    FusedPlan plan;
+    plan.y_components = y;
+    const auto geometry = geometryOf(baked, plan.geometry_side);
+    if (!geometry) return geometry.issue();
+    const FusedFit fit = fitFused(*data.source, data.btf, *geometry, plan, options.threads);
+    rows.push_back(errorRow({data, "game", "snorm8", "sampled"}, fit.material, y, 0, fit.error));
+    if (y == FusedPlan{}.y_components)
+      rows.push_back(errorRow({data, "game", "snorm8", "unsampled"}, fit.material, y, 0,
+                              unsampledError(fit.material, unsampled, options.threads)));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<StudyRows> studyLodFit(const StudyOptions& options) {
+  StudyRows rows;
+  Progress progress("lod-fit", options.tiles.size() * 3, options.quiet);
+  for (const std::string& tile : options.tiles) {
+    const auto baked = studyBake(options, tile);
+    if (!baked) return baked.issue();
+    auto source = bakedSource(*baked);
+    if (!source) return source.issue();
+    auto btf = loadYcc(**source, options.threads);
+    if (!btf) return btf.issue();
+    const TileData data{tile, options.size, std::move(*source), std::move(*btf)};
+    const auto unsampled = unsampledTruth(options, data, 75 * kPi / 180);
+    if (!unsampled) return unsampled.issue();
+    if (const Status s = addReferenceRows(options, data, *unsampled, Preset::kSeed, 8, rows); !s) return s.issue();
+    progress.advance();
+    if (const Status s = addReferenceRows(options, data, *unsampled, Preset::kGame, 16, rows); !s) return s.issue();
+    progress.advance();
+    if (const Status s = addFusedRows(options, data, *baked, *unsampled, rows); !s) return s.issue();
+    progress.advance();
+  }
+  return rows;
+}
+
+}  // namespace loden::importer

@@ -1,0 +1,104 @@
+// The value at lambda 0 .. 6 against the area-averaged truth (LBTF figure 7): the mean of the BTF over the 2^lambda
+// x 2^lambda texels around x, at sampled pairs. "point" is the finest level read there without any level of detail.
+#include <cmath>
+
+#include "importer/cook.h"
+#include "importer/fit/fused_plan.h"
+#include "importer/fit/modes.h"
+#include "importer/parallel.h"
+#include "importer/progress.h"
+#include "importer/study/study.h"
+#include "material/color.h"
+#include "material/evaluate.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kLightsPerView = 9;    // every ninth light, shifted from view to view
+constexpr int kBoxesPerImage = 64;   // boxes of the level, evenly spread
+
+// Root of the mean squared difference of Y.
+double levelError(const Evaluator& evaluator, const BtfSource& source, const YccBtf& truth, int level, double lambda, int threads) {
+  const int boxes = truth.texels(), step = std::max(boxes / kBoxesPerImage, 1);
+  std::vector<double> squares(size_t(truth.views()), 0.0);
+  std::vector<int> counts(size_t(truth.views()), 0);
+  LODEN_CHECK_EQ(source.size().x >> level, truth.side());
+  parallelFor(size_t(truth.views()), threads, [&](size_t v) {
+    Matrix block;
+    truth.read(0, int(v), block);
+    const glm::dvec3 wo = source.views().samples[v];
+    for (int box = int(v) % step; box < boxes; box += step) {
+      const glm::dvec2 x = glm::dvec2(box % truth.side() + 0.5, box / truth.side() + 0.5) / double(truth.side());
+      const Hit<double> hit = evaluator.findHit(x, lambda, wo);
+      for (int l = int(v) % kLightsPerView; l < truth.lights(); l += kLightsPerView) {
+        const glm::dvec3 value = evaluator.evaluate(hit, source.lights().samples[size_t(l)], wo);
+        const double difference = yccFromRgb(value).x - block(box, l);
+        squares[v] += difference * difference;
+        ++counts[v];
+      }
+    }
+  });
+  double sum = 0, count = 0;
+  for (size_t v = 0; v < squares.size(); ++v) sum += squares[v], count += counts[v];
+  return std::sqrt(sum / count);
+}
+
+struct Candidate {
+  std::string mode;
+  Material material;
+  bool point = false;  // always lambda 0
+};
+
+Result<std::vector<Candidate>> candidates(const StudyOptions& options, const BakedOutput& baked, const BtfSource& source,
+                                          const YccBtf& btf) {
+  std::vector<Candidate> all;
+  CookOptions cook;
+  cook.mode = Mode::kLod;
+  cook.threads = options.threads;
+  for (const Preset preset : {Preset::kSeed, Preset::kGame}) {
+    cook.preset = preset;
+    auto m = fitLod(source, btf, cook);
+    if (!m) return m.issue();
+    all.push_back({preset == Preset::kSeed ? "lod-seed" : "lod", std::move(*m)});
+  }
+  const FusedPlan plan;
+  const auto geometry = geometryOf(baked, plan.geometry_side);
+  if (!geometry) return geometry.issue();
+  all.push_back({"fused", fitFused(source, btf, *geometry, plan, options.threads).material});
+  all.push_back({"fused-point", all.back().material, true});
+  return all;
+}
+
+}  // namespace
+
+Result<StudyRows> studyMinification(const StudyOptions& options) {
+  StudyRows rows;
+  Progress progress("minification", options.tiles.size(), options.quiet);
+  for (const std::string& tile : options.tiles) {
+    const auto baked = studyBake(options, tile);
+    if (!baked) return baked.issue();
+    const auto source = bakedSource(*baked);
+    if (!source) return source.issue();
+    auto btf = loadYcc(**source, options.threads);
+    if (!btf) return btf.issue();
+    const auto all = candidates(options, *baked, **source, *btf);
+    if (!all) return all.issue();
+    YccBtf truth = std::move(*btf);
+    for (int level = 0;; ++level) {
+      for (const Candidate& c : *all) {
+        const Evaluator evaluator(c.material, {}, options.threads);
+        const double rmse = levelError(evaluator, **source, truth, level, c.point ? 0 : level, options.threads);
+        StudyRow row;
+        row.set("tile", tile).set("mode", c.mode).set("lambda", level).set("rmse_y", rmse);
+        row.set("psnr_db", -20 * std::log10(std::max(rmse, 1e-12)));
+        rows.push_back(std::move(row));
+      }
+      if (truth.side() == 1 || truth.side() % 2 != 0) break;
+      truth = downsample(truth, BoxFilter::k2x2, options.threads);
+    }
+    progress.advance();
+  }
+  return rows;
+}
+
+}  // namespace loden::importer

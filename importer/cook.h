@@ -4,6 +4,7 @@
 #include <string>
 
 #include "importer/baked_output.h"
+#include "importer/btf_source.h"
 #include "material/material.h"
 #include "material/result.h"
 
@@ -24,5 +25,7 @@ struct CookOptions {
 
 // Deterministic at any number of threads.
 Result<Material> cook(const BakedOutput& input, const CookOptions& options);
+// A BTF without meso-geometry, for example a measured one: mode lod only.
+Result<Material> cook(const BtfSource& input, const CookOptions& options);
 
 }  // namespace loden::importer

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/bake.h"
+#include "importer/btf_source.h"
 #include "importer/cli/output.h"
+#include "importer/measured/bonn_folder.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -54,6 +56,8 @@ class BakeCommand : public Command {
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
     options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
     options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
+    options.choice("--layout", layout_, {"loden", "bonn"}, "bonn: also write the BTF as Bonn's image folder, into DIR/bonn");
+    options.choice("--encoding", encoding_, {"jpg", "hdr", "exr"}, "Images of --layout bonn");
     options.text("--shard", shard_, "I/N: do every N-th view, from I = 0; N runs fill one folder");
     options.footer("Example: loden bake builtin:pulli -o out/pulli --size 64");
   }
@@ -66,6 +70,8 @@ class BakeCommand : public Command {
     if (!tile) return fail(tile.issue());
     const auto report = bake(*tile, tile_, output_, bake_);
     if (!report) return fail(report.issue());
+    if (layout_ == "bonn")
+      if (const Status status = writeBonn(globals); !status) return fail(status.issue());
     print(globals, *tile, *report);
     return kExitOk;
   }
@@ -92,6 +98,23 @@ class BakeCommand : public Command {
     return {};
   }
 
+  // The folder gets its name when all of it is written.
+  Status writeBonn(const GlobalOptions& globals) const {
+    const std::filesystem::path folder = output_ / "bonn", partial = output_ / "bonn.part";
+    auto baked = BakedOutput::open(output_);
+    if (!baked) return baked.issue();
+    const auto source = bakedSource(std::move(*baked));
+    if (!source) return source.issue();
+    std::error_code error;
+    std::filesystem::remove_all(partial, error);
+    const BonnEncoding encoding = encoding_ == "jpg" ? BonnEncoding::kJpeg : encoding_ == "hdr" ? BonnEncoding::kHdr : BonnEncoding::kExr;
+    if (Status status = writeBonnFolder(**source, partial, encoding, globals.threads, globals.quiet); !status) return status;
+    std::filesystem::remove_all(folder, error);
+    std::filesystem::rename(partial, folder, error);
+    if (error) return Issue{issue_id::kCannotWrite, Severity::kError, folder.string(), error.message()};
+    return {};
+  }
+
   void print(const GlobalOptions& globals, const Tile& tile, const BakeReport& report) const {
     const bool complete = std::filesystem::exists(output_ / "bake.json");
     if (globals.json) {
@@ -105,7 +128,7 @@ class BakeCommand : public Command {
               (complete ? "\n" : "; other shards are still to come\n"));
   }
 
-  std::string tile_, directions_ = "bonn81", shard_ = "0/1";
+  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg";
   std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;

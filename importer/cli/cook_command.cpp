@@ -2,9 +2,11 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
 #include "importer/cook.h"
+#include "importer/measured/measured.h"
 #include "material/asset.h"
 #include "material/issues.h"
 
@@ -46,9 +48,7 @@ class CookCommand : public Command {
     cook_.threads = globals.threads;
     cook_.quiet = globals.quiet;
     const auto start = std::chrono::steady_clock::now();
-    const auto input = BakedOutput::open(input_);
-    if (!input) return fail(input.issue());
-    auto material = cook(*input, cook_);
+    auto material = cookInput(globals);
     if (!material) return fail(material.issue());
     if (material->name.empty()) material->name = output_.stem().string();
     const Status written = [&] {
@@ -78,6 +78,23 @@ class CookCommand : public Command {
     cook_.cb_components = static_cast<int>((*numbers)[1]);
     cook_.cr_components = static_cast<int>((*numbers)[2]);
     return {};
+  }
+
+  Result<Material> cookInput(const GlobalOptions& globals) {
+    if (inputKind(input_) == InputKind::kBakedOutput) {
+      const auto baked = BakedOutput::open(input_);
+      return baked ? cook(*baked, cook_) : Result<Material>(baked.issue());
+    }
+    auto measured = openMeasured(input_);
+    if (!measured) return measured.issue();
+    if (mode_ == "fused") note(globals, "no meso-geometry: cooking with --mode lod");
+    if (cook_.mode == Mode::kFused) cook_.mode = Mode::kLod;
+    note(globals, input_.string() + ": " + (*measured)->format());
+    std::string cosine_note;
+    const auto source = withCosine(std::move(*measured), globals.threads, cosine_note);
+    if (!source) return source.issue();
+    note(globals, cosine_note);
+    return cook(**source, cook_);
   }
 
   void print(const GlobalOptions& globals, const Material& material, double seconds) const {

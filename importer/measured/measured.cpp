@@ -1,0 +1,19 @@
+#include "importer/measured/measured.h"
+
+#include "importer/measured/bonn_folder.h"
+#include "importer/measured/btf_file.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+
+Result<std::unique_ptr<MeasuredSource>> openMeasured(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file or folder"};
+  if (!std::filesystem::is_directory(path, error)) return openBtfFile(path);
+  if (looksLikeBonnFolder(path)) return openBonnFolder(path);
+  return Issue{issue_id::kMeasured, Severity::kError, path.string(),
+               "is neither a finished bake (no bake.json) nor a Bonn image folder (no image named by tl, pl, tv, pv)"};
+}
+
+}  // namespace loden::importer

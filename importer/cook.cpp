@@ -48,9 +48,15 @@ Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
   auto source = bakedSource(input);
   if (!source) return source.issue();
   if (options.mode == Mode::kLod) return cookLod(**source, options);
-  auto geometry = geometryOf(input, 0);
-  if (!geometry) return geometry.issue();
-  return cookFused(**source, *geometry, options);
+  return cookFused(**source, [&](int side) { return geometryOf(input, side); }, options);
+}
+
+Result<Material> cook(const BtfSource& input, const CookOptions& options) {
+  if (options.mode != Mode::kLod)
+    return Issue{issue_id::kOption, Severity::kError, input.name(), "has no meso-geometry; cook it with --mode lod"};
+  if (input.size().x != input.size().y)
+    return Issue{issue_id::kMeasured, Severity::kError, input.name(), "is not square"};
+  return cookLod(input, options);
 }
 
 }  // namespace loden::importer

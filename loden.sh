@@ -190,11 +190,19 @@ verb_demo() {
       --fit-fallback -o "$packed"
     scene=$packed
   done
-  rm -rf out/demo/frames
-  tool "walking through the gallery" "$BIN/loden_walk" "$packed" --headless --size 800x800 --frames 60 \
-    --script "$BUILD/gallery/walk.json" --capture out/demo/frames --contact-sheet out/demo/contact_sheet.png \
-    --report out/demo/report.json
+  walk "$packed" --size 800x800 --frames 60
   say "picture: $PWD/out/demo/contact_sheet.png"
+}
+
+# walk SCENE OPTION...: captures the scripted walk into out/demo, unless the same walk is there already.
+walk() {
+  local script=$BUILD/gallery/walk.json walked
+  walked=$(cat "$BIN/loden_walk" "$script" "$(dirname "$1")"/* <(printf '%s\0' "$@") | sha256sum)
+  [[ $walked == "$(cat out/demo/walked 2>/dev/null)" ]] && return
+  rm -rf out/demo/frames out/demo/walked
+  tool "walking through the gallery" "$BIN/loden_walk" "$@" --headless --script "$script" \
+    --capture out/demo/frames --contact-sheet out/demo/contact_sheet.png --report out/demo/report.json
+  echo "$walked" >out/demo/walked
 }
 
 # --- other verbs -----------------------------------------------------------------------------------------------

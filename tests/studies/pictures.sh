@@ -6,7 +6,7 @@
 set -euo pipefail
 readonly bin=$1 out=$2 tile=$3
 readonly -A assets=([surface]=$4 [lod]=$5 [fused]=$6)
-readonly size=480x480 light=45,60
+readonly size=320x160 light=45,60
 here=$(dirname "${BASH_SOURCE[0]}")
 mkdir -p "$out"
 
@@ -14,7 +14,7 @@ pictures=()
 for camera in near far; do
   common=(--surface plane --camera "$here/cameras/$camera.json" --light "$light" --size "$size")
   truth=$out/$tile-$camera-truth.png
-  [[ -e $truth ]] || "$bin/loden" -q trace "builtin:$tile" -o "$truth" "${common[@]}" --spp 64 >&2
+  "$bin/loden" -q trace "builtin:$tile" -o "$truth" "${common[@]}" --spp 256 >&2
   pictures+=("$truth")
   for mode in surface lod fused; do
     capture=$out/$tile-$camera-$mode

@@ -242,9 +242,8 @@ class MaterialCheck {
                     "HEAD, surface maps", "specular_scale ", maps.specular_scale,
                     " is negative or not finite");
     checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, "HEAD, normal map");
-    checkSurfaceMap(maps.diffuse, TexelFormat::kRGBA8Srgb, "HEAD, diffuse map");
-    if (maps.specular.width != 0)
-      checkSurfaceMap(maps.specular, TexelFormat::kRG8Unorm, "HEAD, specular map");
+    checkSurfaceMap(maps.diffuse, TexelFormat::kRGBA16Unorm, "HEAD, diffuse map");
+    checkSurfaceMap(maps.specular, TexelFormat::kRG8Unorm, "HEAD, specular map");
   }
 
   void checkSurfaceMap(const Texture& map, TexelFormat format, const std::string& place) {

@@ -30,8 +30,7 @@ auto texturesOf(MaterialType& material, const Part& part) {
   } else if (part.type == kVdim) {
     textures = {&material.stored_vdim->reference, &material.stored_vdim->packed};
   } else if (part.type == kSurf) {
-    textures = {&material.surface->normal, &material.surface->diffuse};
-    if (described(material.surface->specular)) textures.push_back(&material.surface->specular);
+    textures = {&material.surface->normal, &material.surface->diffuse, &material.surface->specular};
   }
   return textures;
 }

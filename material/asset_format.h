@@ -42,7 +42,6 @@ inline constexpr uint32_t kCodecZstd = 1;
 inline constexpr uint32_t kPartGeometry = 1;
 inline constexpr uint32_t kPartStoredVdim = 2;
 inline constexpr uint32_t kPartSurface = 4;
-inline constexpr uint32_t kPartSpecular = 8;
 
 constexpr uint64_t alignUp(uint64_t offset) {
   return (offset + AssetLimits::kAlignment - 1) / AssetLimits::kAlignment * AssetLimits::kAlignment;

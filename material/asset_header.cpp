@@ -71,7 +71,6 @@ uint32_t partBits(const Material& material) {
   if (material.geometry.texels.width > 0) bits |= kPartGeometry;
   if (material.stored_vdim) bits |= kPartStoredVdim;
   if (material.surface) bits |= kPartSurface;
-  if (material.surface && material.surface->specular.width > 0) bits |= kPartSpecular;
   return bits;
 }
 
@@ -150,10 +149,8 @@ class HeaderReader {
 
   uint32_t readPartBits() {
     const uint32_t bits = in_.u32();
-    constexpr uint32_t kKnown = kPartGeometry | kPartStoredVdim | kPartSurface | kPartSpecular;
+    constexpr uint32_t kKnown = kPartGeometry | kPartStoredVdim | kPartSurface;
     if ((bits & ~kKnown) != 0) fail(join("parts has unknown bits: ", bits));
-    if ((bits & kPartSpecular) != 0 && (bits & kPartSurface) == 0)
-      fail("parts has a specular map without surface maps");
     return bits;
   }
 
@@ -217,7 +214,7 @@ class HeaderReader {
   void readMaps(Material& material, uint32_t parts) {
     if ((parts & kPartGeometry) != 0) material.geometry = readGeometry();
     if ((parts & kPartStoredVdim) != 0) material.stored_vdim = readVdim();
-    if ((parts & kPartSurface) != 0) material.surface = readSurface((parts & kPartSpecular) != 0);
+    if ((parts & kPartSurface) != 0) material.surface = readSurface();
   }
 
   GeometryImage readGeometry() {
@@ -253,12 +250,12 @@ class HeaderReader {
     return {format, TextureShape::kArray2D, width, height, 1, mips, {}};
   }
 
-  SurfaceMaps readSurface(bool has_specular) {
+  SurfaceMaps readSurface() {
     SurfaceMaps maps;
     maps.specular_scale = in_.f32();
     maps.normal = readMap(TexelFormat::kRGBA8Snorm);
-    maps.diffuse = readMap(TexelFormat::kRGBA8Srgb);
-    if (has_specular) maps.specular = readMap(TexelFormat::kRG8Unorm);
+    maps.diffuse = readMap(TexelFormat::kRGBA16Unorm);
+    maps.specular = readMap(TexelFormat::kRG8Unorm);
     return maps;
   }
 

@@ -148,7 +148,7 @@ template <class T>
 glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const {
   const Material& m = *material_;
   if (wi.z <= 0 || wo.z <= 0) return V3<T>(0);
-  if (m.mode == Mode::kSurface) return m.surface ? evaluateSurface(*m.surface, hit, wi, wo) : V3<T>(0);
+  if (m.mode == Mode::kSurface && m.surface) return evaluateSurface(*m.surface, hit, wi, wo);
 
   const T theta_max = T(m.theta_max);
   const V3<T> light = clampTheta(wi, theta_max), view = clampTheta(wo, theta_max);

@@ -27,7 +27,7 @@ const char* modeName(Mode mode);
 struct SurfaceMaps {
   Texture normal;    // RGBA8 snorm, mips: xyz of the shading normal in the reference frame, whose length shrinks
                      // in the mips where normals differ; a unused. z < 0 on the underside of overhangs
-  Texture diffuse;   // RGBA8 sRGB, mips: albedo; a unused
+  Texture diffuse;   // RGBA16 unorm, mips: linear albedo; a unused
   Texture specular;  // RG8 unorm, mips: r = strength / specular_scale, g = log2(exponent) / 12
   float specular_scale = 1;
 };

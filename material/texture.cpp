@@ -10,12 +10,11 @@
 #include <limits>
 
 #include "material/check.h"
-#include "material/color.h"
 
 namespace loden {
 namespace {
 
-enum class Encoding { kUnorm, kSnorm, kSrgb, kFloat };
+enum class Encoding { kUnorm, kSnorm, kFloat };
 
 struct FormatTraits {
   TexelFormat format;
@@ -32,7 +31,6 @@ constexpr FormatTraits kFormats[] = {
     {TexelFormat::kRG8Snorm, "R8G8_SNORM", 2, 1, Encoding::kSnorm},
     {TexelFormat::kRGBA8Unorm, "R8G8B8A8_UNORM", 4, 1, Encoding::kUnorm},
     {TexelFormat::kRGBA8Snorm, "R8G8B8A8_SNORM", 4, 1, Encoding::kSnorm},
-    {TexelFormat::kRGBA8Srgb, "R8G8B8A8_SRGB", 4, 1, Encoding::kSrgb},
     {TexelFormat::kR16Unorm, "R16_UNORM", 1, 2, Encoding::kUnorm},
     {TexelFormat::kRG16Unorm, "R16G16_UNORM", 2, 2, Encoding::kUnorm},
     {TexelFormat::kRG16Snorm, "R16G16_SNORM", 2, 2, Encoding::kSnorm},
@@ -59,14 +57,13 @@ const FormatTraits& traitsOf(TexelFormat format) {
 
 // Bytes decode by table: exact, and no division in the inner loop.
 struct ByteTables {
-  std::array<float, 256> unorm, snorm, srgb;
+  std::array<float, 256> unorm, snorm;
 };
 const ByteTables kByteTables = [] {
   ByteTables tables{};
   for (int i = 0; i < 256; ++i) {
     tables.unorm[i] = static_cast<float>(i) / 255.0f;
     tables.snorm[i] = std::max(static_cast<float>(static_cast<int8_t>(i)) / 127.0f, -1.0f);
-    tables.srgb[i] = static_cast<float>(linearFromSrgb(i / 255.0));
   }
   return tables;
 }();
@@ -86,12 +83,6 @@ struct Unorm8 {
 struct Snorm8 {
   static constexpr int kBytes = 1;
   static float decode(const std::byte* from, int) { return kByteTables.snorm[static_cast<size_t>(*from)]; }
-};
-struct Srgb8 {
-  static constexpr int kBytes = 1;
-  static float decode(const std::byte* from, int channel) {
-    return (channel < 3 ? kByteTables.srgb : kByteTables.unorm)[static_cast<size_t>(*from)];
-  }
 };
 struct Unorm16 {
   static constexpr int kBytes = 2;
@@ -140,8 +131,6 @@ inline auto withDecoder(TexelFormat format, const Use& use) {
       return use(Decoder<Unorm8, 4>());
     case TexelFormat::kRGBA8Snorm:
       return use(Decoder<Snorm8, 4>());
-    case TexelFormat::kRGBA8Srgb:
-      return use(Decoder<Srgb8, 4>());
     case TexelFormat::kR16Unorm:
       return use(Decoder<Unorm16, 1>());
     case TexelFormat::kRG16Unorm:
@@ -292,8 +281,6 @@ void storeTexel(Texture& texture, int mip, int x, int y, int z, const glm::vec4&
   for (int c = 0; c < traits.channels; ++c, to += traits.channel_bytes) {
     if (traits.encoding == Encoding::kFloat) {
       storeFloat(traits, to, value[c]);
-    } else if (traits.encoding == Encoding::kSrgb && c < 3) {
-      storeNorm(traits, to, srgbFromLinear(value[c]));
     } else {
       storeNorm(traits, to, value[c]);
     }

@@ -18,7 +18,6 @@ enum class TexelFormat : uint32_t {
   kRG8Snorm = 17,
   kRGBA8Unorm = 37,
   kRGBA8Snorm = 38,
-  kRGBA8Srgb = 43,
   kR16Unorm = 70,
   kRG16Unorm = 77,
   kRG16Snorm = 78,

@@ -13,8 +13,9 @@ constexpr int kNewtonSteps = 4;     // inside one patch; they cost no fetch
 constexpr float kReach = 3;         // texels that a search may move by in one patch
 constexpr float kInside = 0.4f;     // texels beyond a patch at which its extension still counts as the surface
 constexpr float kResidual = 0.2f;   // texels between ray and surface at which a search has converged
-constexpr float kCluster = 20.0f / 255.0f;    // of the depth range: entries this close are one surface
-constexpr float kSeparation = 1.0f / 255.0f;  // of the depth range: closer candidates are one candidate
+// Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
+constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
+constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
 
 struct TierLimits {
   int candidates;

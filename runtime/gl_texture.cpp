@@ -23,7 +23,6 @@ GlFormat glFormat(const PartTexture& part) {
     case TexelFormat::kRG8Snorm: return {GL_RG8_SNORM, GL_RG, GL_BYTE};
     case TexelFormat::kRGBA8Unorm: return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
     case TexelFormat::kRGBA8Snorm: return {GL_RGBA8_SNORM, GL_RGBA, GL_BYTE};
-    case TexelFormat::kRGBA8Srgb: return {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
     case TexelFormat::kR16Unorm: return {GL_R16, GL_RED, GL_UNSIGNED_SHORT};
     case TexelFormat::kRG16Unorm: return {GL_RG16, GL_RG, GL_UNSIGNED_SHORT};
     case TexelFormat::kRG16Snorm: return {GL_RG16_SNORM, GL_RG, GL_SHORT};

@@ -18,7 +18,7 @@ glm::vec4 windowData(const Window& w) {
 LodenBandData bandData(const Band& band) {
   LodenBandData data{};
   data.window = windowData(band.window);
-  data.mip = {band.lambda_first, float(band.weights.mips - 1), 0, 0};
+  data.mip = {band.lambda_first, float(band.weights.mips - 1), band.weights.width, 1.0f / float(band.table.depth)};
   int bits = 0;
   if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
   if (band.filter == WeightFilter::kLinear) bits |= LODEN_BAND_LINEAR;

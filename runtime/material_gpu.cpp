@@ -94,7 +94,7 @@ void MaterialGpu::createSurfaceStandIns() {
   const glm::vec4 specular{scale > 0 ? mean.ks / scale : 0, std::log2(std::max(mean.alpha, 1.0f)) / 12, 0, 1};
   const PartTexture texels[] = {
       oneTexel(LODEN_UNIT_NORMAL, TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, false, {0, 0, 1, 0}),
-      oneTexel(LODEN_UNIT_DIFFUSE, TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, false, {meanAlbedo(mean), 1}),
+      oneTexel(LODEN_UNIT_DIFFUSE, TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, false, {meanAlbedo(mean), 1}),
       oneTexel(LODEN_UNIT_SPECULAR, TexelFormat::kRG8Unorm, TextureShape::kArray2D, false, specular)};
   stand_ins_.clear();
   for (const PartTexture& texel : texels) {

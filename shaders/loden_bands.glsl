@@ -35,11 +35,11 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
 #else
   vec4 grid = loden_material.grid;
   float row = min(floor(at.view.y), grid.x - 2.0);
-  vec3 size = vec3(textureSize(loden_table[band], 0));
+  vec3 texel_size = vec3(1.0 / grid.y, 1.0 / (grid.x * grid.x), loden_material.bands[band].mip.w);
   vec3 texel = vec3(at.light.x + 0.5, row * grid.x + at.light.y + 0.5, float(quad) * grid.y + at.view.x + 0.5);
   LODEN_COUNT(2);
-  vec4 below = textureLod(loden_table[band], texel / size, 0.0);
-  vec4 above = textureLod(loden_table[band], (texel + vec3(0.0, grid.x, 0.0)) / size, 0.0);
+  vec4 below = textureLod(loden_table[band], texel * texel_size, 0.0);
+  vec4 above = textureLod(loden_table[band], (texel + vec3(0.0, grid.x, 0.0)) * texel_size, 0.0);
   return mix(below, above, at.view.y - row);
 #endif
 }
@@ -48,8 +48,8 @@ vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
   LODEN_COUNT(1);
 #ifdef LODEN_TABLES_NEAREST
   if ((loden_material.bands[band].layout_.x & LODEN_BAND_LINEAR) == 0) {
-    vec2 size = vec2(textureSize(loden_weights[band], 0).xy);
-    return texelFetch(loden_weights[band], ivec3(ivec2(min(floor(fract(q) * size), size - 1.0)), layer), 0);
+    float side = loden_material.bands[band].mip.z;
+    return texelFetch(loden_weights[band], ivec3(ivec2(min(floor(fract(q) * side), vec2(side - 1.0))), layer), 0);
   }
 #endif
   return textureLod(loden_weights[band], vec3(q, float(layer)), lod);

@@ -1,6 +1,5 @@
-// Loden's shader library: evaluates one material. No dependency on any renderer. Order of inclusion:
-//   loden_shared.h, loden_interface.glsl, loden_directions.glsl, loden_vdim.glsl, loden_bands.glsl,
-//   loden_material.glsl
+// Loden's shader library: evaluates one material. No dependency on any renderer; include this file (or paste
+// the files below before it, in this order).
 // Defines of a variant (runtime/shader_variants.h lists those in use):
 //   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
@@ -13,6 +12,12 @@
 //   LodenMaterial m = loden_material_default();
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
 //   radiance += irradiance * value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
+
+#include "loden_shared.h"
+#include "loden_interface.glsl"
+#include "loden_directions.glsl"
+#include "loden_vdim.glsl"
+#include "loden_bands.glsl"
 
 // Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that is
 // longer: blur along a stretched footprint is bounded, and so is aliasing.

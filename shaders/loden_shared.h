@@ -44,7 +44,7 @@ using ivec4 = glm::ivec4;
 // std140: only vec4 and ivec4, so that both languages agree.
 struct LodenBandData {
   vec4 window;     // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
-  vec4 mip;        // lambda_first, mips - 1, unused, unused
+  vec4 mip;        // lambda_first, mips - 1, weights' texels per side, 1 / table's depth
   ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
   vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
   vec4 ratio_scale;                  // of the ratio layer

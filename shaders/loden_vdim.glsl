@@ -6,8 +6,8 @@ const int LODEN_NEWTON_STEPS = 4;
 const float LODEN_REACH = 3.0;               // texels
 const float LODEN_INSIDE = 0.4;              // texels
 const float LODEN_RESIDUAL = 0.2;            // texels
-const float LODEN_CLUSTER = 20.0 / 255.0;    // of the depth range
-const float LODEN_SEPARATION = 1.0 / 255.0;  // of the depth range
+const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
+const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
 
 struct LodenVdimHit {
   vec2 p;        // unwrapped

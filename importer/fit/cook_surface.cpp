@@ -41,7 +41,7 @@ SurfaceMaps surfaceMaps(const BakedOutput::Surface& baked, int side) {
     specular.emplace_back(baked.specular[t].x / maps.specular_scale, exponent, 0, 0);
   }
   maps.normal = mipMapped(TexelFormat::kRGBA8Snorm, std::move(normal), side);
-  maps.diffuse = mipMapped(TexelFormat::kRGBA8Srgb, std::move(diffuse), side);
+  maps.diffuse = mipMapped(TexelFormat::kRGBA16Unorm, std::move(diffuse), side);
   maps.specular = mipMapped(TexelFormat::kRG8Unorm, std::move(specular), side);
   return maps;
 }

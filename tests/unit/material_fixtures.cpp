@@ -164,7 +164,7 @@ Material surfaceMaterial() {
   material.stored_vdim = vdim;
   SurfaceMaps maps;
   maps.normal = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 62);
-  maps.diffuse = noiseTexture(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, kSide, kSide, 1, 4, 63);
+  maps.diffuse = noiseTexture(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 63);
   maps.specular = noiseTexture(TexelFormat::kRG8Unorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 64);
   maps.specular_scale = 2;
   material.surface = maps;

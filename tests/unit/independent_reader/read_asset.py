@@ -10,7 +10,7 @@ import sys
 from xxh3 import xxh3_64
 
 MAGIC = bytes.fromhex("AB4C4F44454E31BB0D0A1A0A")
-TEXEL_BYTES = {38: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4, 43: 4, 16: 2}
+TEXEL_BYTES = {38: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4, 16: 2}
 
 
 def require(holds, text):
@@ -107,9 +107,7 @@ def read_head(head):
         maps.append(("VDIM", [texture(78, side, side, 1, 1), texture(92, side * azimuths, side * zeniths, 1, 1)]))
     if parts & 4:
         print("surface", head.bits(1))
-        kinds = (38, 43, 16) if parts & 8 else (38, 43)
-        sizes = [head.u32(3) for _ in kinds]
-        surface.append(("SURF", [texture(k, w, h, 1, m) for k, (w, h, m) in zip(kinds, sizes)]))
+        surface.append(("SURF", [texture(kind, w, h, 1, mips) for kind in (38, 91, 16) for w, h, mips in [head.u32(3)]]))
     print("name", head.take(head.u32()).decode())
     require(head.at == len(head.data), "bytes behind HEAD")
     first = 1 if domains and domains[0] == 0 else 0

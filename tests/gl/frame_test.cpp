@@ -1,0 +1,79 @@
+// The frame renderer's engine manners: it leaves GL state alone and draws the same after a lost context.
+#include <epoxy/gl.h>
+
+#include "runtime/frame.h"
+#include "runtime/mesh_analytic.h"
+#include "tests/gl/gl_fixture.h"
+#include "tests/gl/gl_state_dump.h"
+#include "tests/unit/material_fixtures.h"
+
+namespace loden::test {
+namespace {
+
+using namespace runtime;
+
+using FrameTest = GlTest;
+
+// A plane with a fused material under a sun with a shadow map, and a point light.
+Scene planeScene() {
+  Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::normalize(glm::vec3(0.3f, 0.2f, 1)));
+  Result<std::vector<std::byte>> bytes = serializeAsset(fusedMaterial());
+  scene.assets[0].embedded = std::move(*bytes);
+  scene.assets[0].name = "fused";
+  Light lamp;
+  lamp.position = {0, 0, 2};
+  lamp.intensity = glm::vec3(2);
+  scene.lights.push_back(lamp);
+  return scene;
+}
+
+View viewOf(glm::ivec2 size) {
+  Camera camera;
+  camera.position = {1, -2, 2};
+  camera.target = {1, 1, 0};
+  return makeView(camera, size);
+}
+
+TEST_F(FrameTest, EveryPublicCallLeavesGlStateAsFound) {
+  disturbGlState();
+  const GlState before = dumpGlState();
+  const auto expectUnchanged = [&](const char* call) {
+    for (const std::string& name : differences(before, dumpGlState())) ADD_FAILURE() << call << " changed " << name;
+  };
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok()) << renderer.issue().text;
+  expectUnchanged("create");
+  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kSrgb8, "frame");
+  for (const int samples : {1, 4}) {
+    FrameSettings settings;
+    settings.samples = samples;
+    (*renderer)->prepare(viewOf(target.size), settings);
+    expectUnchanged("prepare");
+    materials->finishLoading();
+    expectUnchanged("finishLoading");
+    const Status status = (*renderer)->draw({target.framebuffer.name(), target.size});
+    ASSERT_TRUE(status.ok()) << status.issue().text;
+    expectUnchanged("draw");
+  }
+  renderer->reset();
+  expectUnchanged("destruction");
+}
+
+TEST_F(FrameTest, DrawsThePlaneWithItsMaterial) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kLinear32, "frame");
+  (*renderer)->prepare(viewOf(target.size), {});
+  materials->finishLoading();
+  ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+  EXPECT_EQ((*renderer)->stats().visible_objects, 1);
+  EXPECT_EQ(shaders.stats().compiled, int(3)) << "depth, shadow and one shading program: nothing else is needed";
+  for (const glm::vec4& pixel : readLinear(target)) ASSERT_TRUE(std::isfinite(pixel.x + pixel.y + pixel.z));
+}
+
+}  // namespace
+}  // namespace loden::test

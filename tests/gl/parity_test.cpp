@@ -1,0 +1,196 @@
+// The key test: shaders against the CPU evaluator, all three modes, all four tiles, at seeded
+// (x, lambda, wi, wo). Materials are baked and cooked here, small but through the whole road.
+
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "importer/bake.h"
+#include "importer/cook.h"
+#include "material/asset.h"
+#include "material/evaluate.h"
+#include "runtime/device.h"
+#include "runtime/gl_objects.h"
+#include "runtime/gl_target.h"
+#include "runtime/material_system.h"
+#include "runtime/shader_library.h"
+#include "shaders/loden_shared.h"
+
+namespace loden::runtime {
+namespace {
+
+constexpr int kSide = 112;  // 12,544 samples
+constexpr int kSamples = kSide * kSide;
+
+// fp32 both sides; what is left is the order of sums in filtering. Measured on llvmpipe: 2e-5 at most in
+// bands; the lookup's discontinuities (one sample in 10^5 lands on the other side) set the maximum.
+constexpr double kMaxDifference = 1e-3, kMeanDifference = 1e-4;
+
+constexpr const char* kVertex = R"(
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
+)";
+constexpr const char* kFragment = R"(
+#include "loden_material.glsl"
+layout(binding = LODEN_UNIT_FIRST_FREE) uniform sampler2DArray samples;  // (x, lambda, 0), wi, wo
+layout(location = 0) out vec4 color;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec4 x = texelFetch(samples, ivec3(at, 0), 0);
+  vec3 wi = texelFetch(samples, ivec3(at, 1), 0).xyz, wo = texelFetch(samples, ivec3(at, 2), 0).xyz;
+  LodenMaterial m = loden_material_default();
+  m.skip_parallax = false;
+  LodenHit hit = loden_find_hit_at(m, x.xy, x.z, wo);
+  color = vec4(loden_evaluate(m, hit, wi, wo), hit.p.x);
+}
+)";
+
+struct Sample {
+  glm::vec2 x;
+  float lambda;
+  glm::vec3 wi, wo;
+};
+
+glm::vec3 upperDirection(std::mt19937& random) {
+  std::uniform_real_distribution<float> unit(0, 1);
+  const float z = 0.02f + 0.98f * unit(random), phi = 6.2831853f * unit(random), sine = std::sqrt(1 - z * z);
+  return {sine * std::cos(phi), sine * std::sin(phi), z};
+}
+
+std::vector<Sample> seededSamples() {
+  std::mt19937 random(20261122);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<Sample> samples(kSamples);
+  for (Sample& s : samples) {
+    s.x = glm::vec2(3 * unit(random) - 1, 3 * unit(random) - 1);
+    s.lambda = 7 * unit(random) - 0.5f;
+    s.wi = upperDirection(random);
+    s.wo = upperDirection(random);
+  }
+  return samples;
+}
+
+GlTexture uploadSamples(const std::vector<Sample>& samples) {
+  std::vector<glm::vec4> texels;
+  for (const Sample& s : samples) texels.emplace_back(s.x, s.lambda, 0);
+  for (const Sample& s : samples) texels.emplace_back(s.wi, 0);
+  for (const Sample& s : samples) texels.emplace_back(s.wo, 0);
+  GlTexture texture = makeTexture(GL_TEXTURE_2D_ARRAY, "parity samples");
+  glTextureStorage3D(texture.name(), 1, GL_RGBA32F, kSide, kSide, 3);
+  glTextureSubImage3D(texture.name(), 0, 0, 0, 0, kSide, kSide, 3, GL_RGBA, GL_FLOAT, texels.data());
+  return texture;
+}
+
+// (value, p.x) of every sample, as the shader computes them.
+std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector<Sample>& samples, Lookup lookup) {
+  auto device = Device::create({.log = [](const Issue& issue) { ADD_FAILURE() << issue.where << ": " << issue.text; }});
+  EXPECT_TRUE(device.ok());
+  MaterialSystemOptions options;
+  options.lookup = lookup;
+  auto system = MaterialSystem::create(**device, options);
+  EXPECT_TRUE(system.ok());
+  auto bytes = serializeAsset(material);
+  EXPECT_TRUE(bytes.ok()) << (bytes.ok() ? "" : bytes.issue().text);
+  const auto id = (*system)->load(memorySource(std::move(*bytes), "parity"), "parity");
+  EXPECT_TRUE(id.ok()) << (id.ok() ? "" : id.issue().text);
+  (*system)->demand(*id, 0);
+  (*system)->finishLoading();
+  EXPECT_EQ((*system)->residentLambda(*id), material.lambda_min);
+
+  const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment},
+                                      variantDefines((*system)->variant(*id)), "parity");
+  EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
+  const RenderTarget target = makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
+  const GlTexture texture = uploadSamples(samples);
+  const GlVertexArray no_vertices = makeVertexArray("none");
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
+  glViewport(0, 0, kSide, kSide);
+  glUseProgram(program->name());
+  glBindVertexArray(no_vertices.name());
+  (*system)->bind(*id);
+  glBindTextureUnit(LODEN_UNIT_FIRST_FREE, texture.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  return readLinear(target);
+}
+
+void expectParity(const Material& material, Lookup lookup) {
+  const std::vector<Sample> samples = seededSamples();
+  const std::vector<glm::vec4> gpu = evaluateOnGpu(material, samples, lookup);
+  ASSERT_EQ(gpu.size(), samples.size());
+  const Evaluator evaluator(material);
+  double sum = 0, largest = 0;
+  int outside = 0;
+  for (size_t k = 0; k < samples.size(); ++k) {
+    const Sample& s = samples[k];
+    const Hit<float> hit = evaluator.findHit(s.x, s.lambda, s.wo, lookup);
+    const glm::vec3 value = evaluator.evaluate(hit, s.wi, s.wo);
+    const glm::vec3 off = glm::abs(value - glm::vec3(gpu[k]));
+    const double difference = std::max({off.x, off.y, off.z});
+    ASSERT_TRUE(std::isfinite(difference)) << "sample " << k;
+    sum += difference;
+    largest = std::max(largest, difference);
+    outside += difference > kMaxDifference;
+  }
+  EXPECT_LE(largest, kMaxDifference) << outside << " of " << kSamples << " samples";
+  EXPECT_LE(sum / kSamples, kMeanDifference);
+}
+
+importer::BakedOutput bakeSmall(const std::string& name) {
+  const auto folder = std::filesystem::temp_directory_path() / ("loden_parity_" + name);
+  std::filesystem::remove_all(folder);
+  const auto tile = importer::builtinTile(name);
+  EXPECT_TRUE(tile.ok());
+  importer::BakeOptions options;
+  options.size = 32;
+  options.geometry_size = 64;
+  options.directions = concentricDirections(5);
+  options.vdims = {{16, 16}};
+  options.supersample = 1;
+  options.quiet = true;
+  const auto report = importer::bake(*tile, "builtin:" + name, folder, options);
+  EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.issue().text);
+  auto baked = importer::BakedOutput::open(folder);
+  EXPECT_TRUE(baked.ok()) << (baked.ok() ? "" : baked.issue().text);
+  return std::move(*baked);
+}
+
+Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset) {
+  importer::CookOptions options;
+  options.mode = mode;
+  options.preset = preset;
+  options.quiet = true;
+  auto material = importer::cook(baked, options);
+  EXPECT_TRUE(material.ok()) << (material.ok() ? "" : material.issue().text);
+  return std::move(*material);
+}
+
+// One tile, baked once for all modes.
+class Parity : public testing::TestWithParam<std::string> {};
+
+TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
+  using importer::Preset;
+  const importer::BakedOutput baked = bakeSmall(GetParam());
+  struct Case {
+    const char* name;
+    Mode mode;
+    Preset preset;
+    Lookup lookup;
+  };
+  for (const Case& c : {Case{"surface", Mode::kSurface, Preset::kGame, Lookup::kDefault},
+                        Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, Lookup::kFast},
+                        Case{"lod as published", Mode::kLod, Preset::kSeed, Lookup::kNone},
+                        Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, Lookup::kNone},
+                        Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, Lookup::kDefault}}) {
+    SCOPED_TRACE(c.name);
+    expectParity(cooked(baked, c.mode, c.preset), c.lookup);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli", "sponge"),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace loden::runtime

@@ -71,7 +71,7 @@ TEST_F(FrameTest, DrawsThePlaneWithItsMaterial) {
   materials->finishLoading();
   ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
   EXPECT_EQ((*renderer)->stats().visible_objects, 1);
-  EXPECT_EQ(shaders.stats().compiled, int(3)) << "depth, shadow and one shading program: nothing else is needed";
+  EXPECT_EQ(shaders.stats().compiled, 2) << "one depth and one shading program: nothing else is needed";
   for (const glm::vec4& pixel : readLinear(target)) ASSERT_TRUE(std::isfinite(pixel.x + pixel.y + pixel.z));
 }
 

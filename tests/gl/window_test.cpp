@@ -28,7 +28,7 @@ class DisplayServer {
     }
     ::close(ends[1]);
     char number[16] = {};
-    if (::read(ends[0], number, sizeof number - 1) > 0) name_ = ":" + std::to_string(std::atoi(number));
+    if (::read(ends[0], number, sizeof number - 1) > 0) name_.assign(":").append(std::to_string(std::atoi(number)));
     ::close(ends[0]);
   }
   ~DisplayServer() {

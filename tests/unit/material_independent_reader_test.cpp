@@ -33,7 +33,7 @@ class Listing {
     if (material.surface) {
       for (const Texture* map :
            {&material.surface->normal, &material.surface->diffuse, &material.surface->specular}) {
-        if (!map->empty()) listTexels("SURF", *map);
+        listTexels("SURF", *map);
       }
     }
     if (!material.meta_json.empty()) line("META", hash(material.meta_json.data(), material.meta_json.size()));

@@ -78,31 +78,31 @@ Raw load(const std::byte* from) {
 // One channel of each encoding.
 struct Unorm8 {
   static constexpr int kBytes = 1;
-  static float decode(const std::byte* from, int) { return kByteTables.unorm[static_cast<size_t>(*from)]; }
+  static float decode(const std::byte* from) { return kByteTables.unorm[static_cast<size_t>(*from)]; }
 };
 struct Snorm8 {
   static constexpr int kBytes = 1;
-  static float decode(const std::byte* from, int) { return kByteTables.snorm[static_cast<size_t>(*from)]; }
+  static float decode(const std::byte* from) { return kByteTables.snorm[static_cast<size_t>(*from)]; }
 };
 struct Unorm16 {
   static constexpr int kBytes = 2;
-  static float decode(const std::byte* from, int) {
+  static float decode(const std::byte* from) {
     return static_cast<float>(load<uint16_t>(from)) / 65535.0f;
   }
 };
 struct Snorm16 {
   static constexpr int kBytes = 2;
-  static float decode(const std::byte* from, int) {
+  static float decode(const std::byte* from) {
     return std::max(static_cast<float>(load<int16_t>(from)) / 32767.0f, -1.0f);
   }
 };
 struct Float16 {
   static constexpr int kBytes = 2;
-  static float decode(const std::byte* from, int) { return floatFromHalf(load<uint16_t>(from)); }
+  static float decode(const std::byte* from) { return floatFromHalf(load<uint16_t>(from)); }
 };
 struct Float32 {
   static constexpr int kBytes = 4;
-  static float decode(const std::byte* from, int) { return load<float>(from); }
+  static float decode(const std::byte* from) { return load<float>(from); }
 };
 
 template <class Channel, int kChannels>
@@ -110,7 +110,7 @@ struct Decoder {
   static constexpr int kBytes = kChannels * Channel::kBytes;
   glm::vec4 operator()(const std::byte* from) const {
     glm::vec4 texel(0, 0, 0, 1);
-    for (int c = 0; c < kChannels; ++c) texel[c] = Channel::decode(from + c * Channel::kBytes, c);
+    for (int c = 0; c < kChannels; ++c) texel[c] = Channel::decode(from + c * Channel::kBytes);
     return texel;
   }
 };

@@ -18,7 +18,7 @@ struct PackOptions {
   bool embed = false;            // into a bufferView; otherwise by uri, beside the output
   int tex_coord = 0;             // TEXCOORD_n that gives x
   glm::dvec2 scale{1};           // tile periods per unit of texture coordinate
-  double rotation = 0;           // radians, counter-clockwise
+  double rotation = 0;           // radians, as in KHR_texture_transform
   bool fit_fallback = false;     // replace an existing pbrMetallicRoughness, too
 };
 

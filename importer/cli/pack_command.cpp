@@ -22,7 +22,7 @@ class PackCommand : public Command {
     options.flag("--embed", pack_.embed, "Put the asset into the scene file instead of beside it");
     options.integer("--texcoord", pack_.tex_coord, "TEXCOORD_N to use", 0, 15);
     options.text("--scale", scale_, "Repetitions per unit of texture coordinate, SX,SY");
-    options.number("--rotation", rotation_, "Degrees, counter-clockwise");
+    options.number("--rotation", rotation_, "Degrees, as in KHR_texture_transform");
     options.flag("--fit-fallback", pack_.fit_fallback, "Replace the material's pbrMetallicRoughness, too, not only add one where none is");
     options.footer("Run pack last: most glTF tools drop extensions that they do not know, some without a word.");
   }

@@ -1,6 +1,7 @@
 #include "importer/fit/band_fit.h"
 #include "importer/fit/flat_fit.h"
 #include "importer/fit/fused_plan.h"
+#include "importer/fit/goal.h"
 #include "importer/fit/grid_table.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
@@ -31,6 +32,7 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
   const ColumnBlocks luma = centredBlocks(in.btf, 0, in.mean);
   FlatFitOptions fit;
   fit.components = plan.y_components;
+  fit.sweeps = plan.sweeps;
   fit.threads = in.threads;
   const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, Storage::kSnorm8);
   BandFactors factors;
@@ -107,14 +109,42 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
          textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
 }
 
-Result<Material> cookFused(const BtfSource& source, const GeometryImage& geometry, const CookOptions& options) {
+namespace {
+
+constexpr int kTrialSweeps = 2;  // enough to rank candidates
+
+FusedPlan presetPlan(const CookOptions& options) {
+  FusedPlan plan;
+  if (options.preset == Preset::kReference) plan = {.y_components = 32, .coarse_y = 8, .flat_scale = 2, .phis = 25};
+  if (options.y_components) plan.y_components = options.y_components;
+  return plan;
+}
+
+}  // namespace
+
+Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry, const CookOptions& options) {
   auto btf = loadYcc(source, options.threads);
   if (!btf) return btf.issue();
-  FusedPlan plan;
-  if (options.preset == Preset::kReference) plan.y_components = 32;
-  if (options.y_components) plan.y_components = options.y_components;
-  FusedFit fit = fitFused(source, *btf, geometry, plan, options.threads);
-  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error);
+  FusedPlan plan = presetPlan(options);
+  std::vector<TradePoint> measured;
+  if (options.max_bytes > 0 || options.target_rmse > 0) {
+    const auto baked = geometry(0);
+    if (!baked) return baked.issue();
+    const auto trial = [&](FusedPlan candidate) -> Result<double> {
+      const auto image = geometry(candidate.geometry_side);
+      if (!image) return image.issue();
+      candidate.sweeps = kTrialSweeps;
+      return fitFused(source, *btf, *image, candidate, options.threads).error.channel[0].rmse();
+    };
+    auto choice = choosePlan({options.max_bytes, options.target_rmse}, btf->side(), baked->side(), trial);
+    if (!choice) return choice.issue();
+    plan = choice->plan;
+    measured = std::move(choice->measured);
+  }
+  const auto image = geometry(plan.geometry_side);
+  if (!image) return image.issue();
+  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads);
+  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured);
   return std::move(fit.material);
 }
 

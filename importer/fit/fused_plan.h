@@ -8,11 +8,12 @@
 namespace loden::importer {
 
 struct FusedPlan {
-  int y_components = 12;  // of the flat-domain band
+  int y_components = 20;  // of the flat-domain band
   int coarse_y = 4;       // of the reference-domain band
   int flat_scale = 1;     // flat texels per reference texel, along one side
-  int phis = 25;          // columns of the direction grid, the repeated one counted
+  int phis = 17;          // columns of the direction grid, the repeated one counted
   int geometry_side = 0;  // of the geometry image; 0: as baked
+  int sweeps = 6;         // of the joint fit
 };
 
 struct FusedFit {

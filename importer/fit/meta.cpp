@@ -1,5 +1,6 @@
 #include "importer/fit/meta.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace loden::importer {
@@ -55,7 +56,7 @@ uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
 }
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
-                     const BtfError* error) {
+                     const BtfError* error, const std::vector<TradePoint>& trade) {
   nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
                                  {"preset", preset},
                                  {"input", input},
@@ -69,6 +70,12 @@ std::string cookMeta(const Material& material, const std::string& input, const s
       const ChannelError& e = error->channel[c];
       meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
     }
+  }
+  const std::vector<TradePoint> front = paretoFront(trade);
+  for (const TradePoint& p : trade) {
+    const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) { return f.bytes == p.bytes && f.rmse_y == p.rmse_y; });
+    meta["trade"].push_back({{"y_components", p.plan.y_components}, {"phis", p.plan.phis}, {"flat_scale", p.plan.flat_scale},
+                             {"geometry_side", p.plan.geometry_side}, {"bytes", p.bytes}, {"rmse_y", p.rmse_y}, {"pareto", pareto}});
   }
   return meta.dump();
 }

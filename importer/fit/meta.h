@@ -4,6 +4,7 @@
 #include <string>
 
 #include "importer/cook.h"
+#include "importer/fit/goal.h"
 #include "importer/fit/measure.h"
 
 namespace loden::importer {
@@ -16,8 +17,10 @@ uint64_t rawFileBytes(const Material& material);
 uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas);
 
 // {"mode", "preset", "components": "8,2,2", "input", "coefficient_bytes", "raw_bytes", "gpu_bytes",
-//  "error": {"y": {"rmse", "mse", "mae"}, "cb": ..., "cr": ...}}; `error` may be null.
+//  "error": {"y": {"rmse", "mse", "mae"}, "cb": ..., "cr": ...},
+//  "trade": [{"y_components", "phis", "flat_scale", "geometry_side", "bytes", "rmse_y", "pareto"}]}; `error` may be
+// null, `trade` holds what a goal measured on its way.
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
-                     const BtfError* error);
+                     const BtfError* error, const std::vector<TradePoint>& trade = {});
 
 }  // namespace loden::importer

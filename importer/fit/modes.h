@@ -1,6 +1,8 @@
 // The three modes of cook(), one function each (design: the one equation and its special cases).
 #pragma once
 
+#include <functional>
+
 #include "importer/cook.h"
 #include "importer/fit/ycc_btf.h"
 
@@ -15,7 +17,9 @@ Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
 Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options);
 
 // Fine bands in the flat domain, coarse bands in the reference domain.
-Result<Material> cookFused(const BtfSource& source, const GeometryImage& geometry, const CookOptions& options);
+// A goal in `options` chooses the plan by measuring candidates.
+using GeometryReader = std::function<Result<GeometryImage>(int side)>;  // geometryOf of the input
+Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry, const CookOptions& options);
 
 // FBTF's GPU mode: one analytic appearance read at VDIM(x, wo).
 Result<Material> cookSurface(const BakedOutput& input, const CookOptions& options);

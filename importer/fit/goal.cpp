@@ -1,0 +1,128 @@
+#include "importer/fit/goal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kMostComponents = 40;
+
+// Everything but the number of components, from frugal to lavish: columns of the grid, scale of the flat map,
+// share of the baked geometry image.
+std::vector<FusedPlan> structures(int geometry_side) {
+  std::vector<FusedPlan> all;
+  for (const int phis : {13, 17, 25})
+    for (const int scale : {1, 2})
+      for (const int share : {2, 1}) {
+        FusedPlan plan;
+        plan.phis = phis;
+        plan.flat_scale = scale;
+        plan.geometry_side = geometry_side / share;
+        all.push_back(plan);
+      }
+  return all;
+}
+
+FusedPlan withComponents(FusedPlan plan, int y) {
+  plan.y_components = y;
+  return plan;
+}
+
+Issue unreachable(const std::string& goal, const TradePoint& nearest) {
+  char text[200];
+  std::snprintf(text, sizeof text, "cannot be met: the nearest plan takes %llu bytes for an RMSE of %.4f",
+                static_cast<unsigned long long>(nearest.bytes), nearest.rmse_y);
+  return {issue_id::kGoal, Severity::kError, goal, text};
+}
+
+class Search {
+ public:
+  Search(const Goal& goal, int side, int geometry_side, const std::function<Result<double>(const FusedPlan&)>& measure)
+      : goal_(goal), side_(side), geometry_side_(geometry_side), measure_(measure) {}
+
+  Result<Choice> run() { return goal_.target_rmse > 0 ? fewestBytes() : leastError(); }
+
+ private:
+  uint64_t bytes(const FusedPlan& plan) const { return fusedBytes(plan, side_, plan.geometry_side); }
+  bool fits(const FusedPlan& plan) const { return goal_.max_bytes == 0 || bytes(plan) <= goal_.max_bytes; }
+
+  Result<TradePoint> measured(const FusedPlan& plan) {
+    const auto rmse = measure_(plan);
+    if (!rmse) return rmse.issue();
+    TradePoint point{plan, bytes(plan), *rmse};
+    choice_.measured.push_back(point);
+    return point;
+  }
+
+  Result<Choice> finish(const TradePoint& best) {
+    choice_.plan = best.plan;
+    std::sort(choice_.measured.begin(), choice_.measured.end(),
+              [](const TradePoint& a, const TradePoint& b) { return a.bytes < b.bytes; });
+    return std::move(choice_);
+  }
+
+  // For each structure the most components that fit; the least error of these.
+  Result<Choice> leastError() {
+    std::optional<TradePoint> best;
+    for (const FusedPlan& structure : structures(geometry_side_)) {
+      int y = kMostComponents;
+      while (y > 0 && !fits(withComponents(structure, y))) y -= 4;
+      if (y == 0) continue;
+      const auto point = measured(withComponents(structure, y));
+      if (!point) return point.issue();
+      if (!best || point->rmse_y < best->rmse_y) best = *point;
+    }
+    if (best) return finish(*best);
+    const FusedPlan least = withComponents(structures(geometry_side_).front(), 4);
+    return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
+                 "is too little: the smallest fused asset of this input takes " + std::to_string(bytes(least)) + " bytes"};
+  }
+
+  // For each structure the fewest components that reach the target, unless they already cost more than the best.
+  Result<Choice> fewestBytes() {
+    std::optional<TradePoint> best, nearest;
+    for (const FusedPlan& structure : structures(geometry_side_))
+      for (int y = 4; y <= kMostComponents; y += y < 16 ? 4 : 8) {
+        const FusedPlan plan = withComponents(structure, y);
+        if (!fits(plan) || (best && bytes(plan) >= best->bytes)) break;
+        const auto point = measured(plan);
+        if (!point) return point.issue();
+        if (!nearest || point->rmse_y < nearest->rmse_y) nearest = *point;
+        if (point->rmse_y > goal_.target_rmse) continue;
+        best = *point;
+        break;
+      }
+    if (best) return finish(*best);
+    if (nearest) return unreachable("--target-rmse " + std::to_string(goal_.target_rmse), *nearest);
+    return leastError();  // nothing fits into max_bytes: its message says so
+  }
+
+  Goal goal_;
+  int side_, geometry_side_;
+  const std::function<Result<double>(const FusedPlan&)>& measure_;
+  Choice choice_;
+};
+
+}  // namespace
+
+Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
+                          const std::function<Result<double>(const FusedPlan&)>& measure) {
+  return Search(goal, side, geometry_side, measure).run();
+}
+
+std::vector<TradePoint> paretoFront(std::vector<TradePoint> points) {
+  std::sort(points.begin(), points.end(), [](const TradePoint& a, const TradePoint& b) {
+    return a.bytes != b.bytes ? a.bytes < b.bytes : a.rmse_y < b.rmse_y;
+  });
+  std::vector<TradePoint> front;
+  for (const TradePoint& p : points)
+    if (front.empty() || p.rmse_y < front.back().rmse_y) front.push_back(p);
+  return front;
+}
+
+}  // namespace loden::importer

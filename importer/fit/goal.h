@@ -1,0 +1,37 @@
+// A goal in bytes or in error, met by measuring candidate plans.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "importer/fit/fused_plan.h"
+#include "material/result.h"
+
+namespace loden::importer {
+
+struct TradePoint {
+  FusedPlan plan;
+  uint64_t bytes = 0;  // raw bytes of the file
+  double rmse_y = 0;   // measured with a shortened fit
+};
+
+struct Goal {
+  uint64_t max_bytes = 0;  // 0: none
+  double target_rmse = 0;  // of Y; 0: none
+};
+
+struct Choice {
+  FusedPlan plan;
+  std::vector<TradePoint> measured;  // every candidate that was fitted, by bytes
+};
+
+// The plan with the least error within max_bytes, or with the fewest bytes at target_rmse (within max_bytes if both
+// are given). `measure` fits a plan and returns the RMSE of Y. Fails with kGoal where no plan can meet the goal, and
+// says what the nearest plan gives.
+Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
+                          const std::function<Result<double>(const FusedPlan&)>& measure);
+
+// The measured plans that no other beats in both bytes and error, by bytes.
+std::vector<TradePoint> paretoFront(std::vector<TradePoint> points);
+
+}  // namespace loden::importer

@@ -1,0 +1,171 @@
+#include "tests/bench/bench_support.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+
+#include "runtime/shader_library.h"
+
+namespace loden::bench {
+namespace {
+
+using namespace runtime;
+
+constexpr int kSide = 64;
+
+Texture noise(TexelFormat format, TextureShape shape, int width, int height, int depth, int mips, uint32_t seed) {
+  Texture texture = Texture::make(format, shape, width, height, depth, mips);
+  std::mt19937 random(seed);
+  const bool floats = format == TexelFormat::kRGBA32Sfloat;
+  if (!floats) {
+    for (std::byte& byte : texture.data) byte = std::byte(random() & 0x7f);
+    return texture;
+  }
+  float* values = reinterpret_cast<float*>(texture.data.data());
+  for (size_t i = 0; i < texture.data.size() / sizeof(float); ++i) values[i] = float(random() & 0xffff) / 65536.0f;
+  return texture;
+}
+
+Material plain(Mode mode, const char* name) {
+  Material material;
+  material.mode = mode;
+  material.name = name;
+  material.side = kSide;
+  material.mean = {0.01f, 0.5f, 0.2f, 12, 0.01f, -0.02f, MeanChroma::kRatio};
+  material.meta_json = "{}";
+  return material;
+}
+
+Band gridBand(const Material& material, Domain domain, uint32_t seed) {
+  const bool flat = domain == Domain::kFlat;
+  Band band;
+  band.domain = domain;
+  band.y_quads = 4;
+  band.chroma_quads = flat ? 0 : 1;
+  band.ratio = flat;
+  band.lambda_first = flat ? 0.0f : 1.0f;
+  band.window = flat ? Window{-2, -1, 1, 2} : Window{1, 2, 1e4f, 2e4f};
+  band.quad_scale.assign(size_t(band.quads()), glm::vec4(0.05f));
+  const int side = flat ? kSide : kSide / 2;
+  band.weights = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, band.layers(),
+                       flat ? 1 : fullMipCount(side, side), seed);
+  band.table = noise(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, material.grid.phis,
+                     material.grid.thetas * material.grid.thetas, band.quads() * material.grid.phis, 1, seed + 1);
+  return band;
+}
+
+const ShaderText kVertex{"full_screen.vert", R"(
+layout(location = 0) out vec2 uv;
+void main() {
+  uv = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
+  gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
+})"};
+
+}  // namespace
+
+Material lodMaterial(uint32_t seed) {
+  Material material = plain(Mode::kLod, "lod");
+  material.lambda_max = 4;
+  material.lights = material.views = bonn81Directions();
+  for (int level = 0; level < 5; ++level) {
+    Band band;
+    band.filter = WeightFilter::kNearest;
+    band.layout = TableLayout::kNearest;
+    band.window = {-2, -1, float(level), float(level + 1)};
+    band.lambda_first = float(level);
+    band.y_quads = 2;
+    band.chroma_quads = 1;
+    band.quad_scale.assign(3, glm::vec4(0.05f));
+    const uint32_t band_seed = seed + 10 * uint32_t(level);
+    band.weights = noise(TexelFormat::kRGBA32Sfloat, TextureShape::kArray2D, kSide >> level, kSide >> level, 3, 1, band_seed);
+    band.table = noise(TexelFormat::kRGBA32Sfloat, TextureShape::kVolume, 81, 81, 3, 1, band_seed + 1);
+    material.bands.push_back(std::move(band));
+  }
+  return material;
+}
+
+Material fusedMaterial(uint32_t seed) {
+  Material material = plain(Mode::kFused, "fused");
+  material.lambda_max = 6;
+  material.geometry = wavyGeometry(2 * kSide);
+  material.bands.push_back(gridBand(material, Domain::kFlat, seed));
+  material.bands.push_back(gridBand(material, Domain::kReference, seed + 5));
+  return material;
+}
+
+Material surfaceMaterial(uint32_t seed) {
+  Material material = plain(Mode::kSurface, "surface");
+  material.lambda_max = 6;
+  material.geometry = wavyGeometry(2 * kSide);
+  const int mips = fullMipCount(2 * kSide, 2 * kSide);
+  SurfaceMaps maps;
+  maps.normal = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed);
+  maps.diffuse = noise(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
+  maps.specular = noise(TexelFormat::kRG8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 2);
+  material.surface = std::move(maps);
+  return material;
+}
+
+GeometryImage wavyGeometry(int side) {
+  std::vector<glm::dvec3> positions;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const glm::dvec2 p = (glm::dvec2(x, y) + 0.5) / double(side);
+      const double height = std::cos(4 * kPi * p.x) * std::cos(4 * kPi * p.y);
+      positions.emplace_back(p, 0.05 * (height - 1));
+    }
+  const std::vector<uint16_t> charts(positions.size(), 1);
+  return encodeGeometryImage(side, positions, charts, true);
+}
+
+std::shared_ptr<const ByteSource> assetSource(const Material& material) {
+  return memorySource(require(serializeAsset(material)), material.name);
+}
+
+FullScreen::FullScreen(glm::ivec2 size)
+    : target_(makeRenderTarget(size, ColorFormat::kLinear32, "bench")), array_(makeVertexArray("bench")) {
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer.name());
+  glViewport(0, 0, size.x, size.y);
+  glBindVertexArray(array_.name());
+}
+
+GlProgram FullScreen::program(const std::string& fragment, std::span<const std::string> defines) const {
+  return require(compileProgram(kVertex, {"bench.frag", fragment}, defines, "bench"));
+}
+
+void FullScreen::draw(const GlProgram& program) const {
+  glUseProgram(program.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+std::vector<double> interleavedMedians(const std::vector<std::function<void()>>& tasks, int rounds) {
+  constexpr int kWarmUp = 2;
+  std::vector<std::vector<double>> times(tasks.size());
+  for (int round = -kWarmUp; round < rounds; ++round)
+    for (size_t i = 0; i < tasks.size(); ++i) {
+      glFinish();
+      const auto start = std::chrono::steady_clock::now();
+      tasks[i]();
+      glFinish();
+      const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+      if (round >= 0) times[i].push_back(spent.count());
+    }
+  std::vector<double> medians;
+  for (std::vector<double>& t : times) {
+    std::nth_element(t.begin(), t.begin() + ptrdiff_t(t.size() / 2), t.end());
+    medians.push_back(t[t.size() / 2]);
+  }
+  return medians;
+}
+
+void fail(const Issue& issue) {
+  std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str());
+  std::exit(4);
+}
+
+}  // namespace loden::bench

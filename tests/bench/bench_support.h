@@ -1,0 +1,52 @@
+// What the runtime's benchmarks share: materials of realistic size, and full-screen draws that are timed.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "material/material.h"
+#include "runtime/gl_objects.h"
+#include "runtime/gl_target.h"
+#include "runtime/material_system.h"
+
+namespace loden::bench {
+
+// Sizes as the cooker's presets give them, texels seeded noise: cost does not depend on what they hold.
+Material lodMaterial(uint32_t seed);      // seed preset: 5 levels, 8/2/2 components, 81 x 81 directions, RGBA32F
+Material fusedMaterial(uint32_t seed);    // a flat and a reference band, 16 components each, 8 bit, grid tables
+Material surfaceMaterial(uint32_t seed);  // three maps
+// Waves of depth .1, as a height field over its own x and y.
+GeometryImage wavyGeometry(int side);
+
+std::shared_ptr<const ByteSource> assetSource(const Material& material);
+
+// A full-screen triangle over `target`; varying location 0 is vec2 uv in [0,1]^2 over the target.
+class FullScreen {
+ public:
+  explicit FullScreen(glm::ivec2 size);
+  // Fragment text as in runtime/shader_library.h; exits with the compiler's message if it is wrong.
+  runtime::GlProgram program(const std::string& fragment, std::span<const std::string> defines) const;
+  void draw(const runtime::GlProgram& program) const;
+  std::vector<glm::vec4> read() const { return readLinear(target_); }
+
+ private:
+  runtime::RenderTarget target_;
+  runtime::GlVertexArray array_;
+};
+
+// Median milliseconds of each task, all run in turn within each of `rounds` rounds, after two to warm up.
+std::vector<double> interleavedMedians(const std::vector<std::function<void()>>& tasks, int rounds);
+
+// The value, or the issue on stderr and exit code 4.
+template <class T>
+T require(Result<T> result);
+[[noreturn]] void fail(const Issue& issue);
+
+template <class T>
+T require(Result<T> result) {
+  if (!result) fail(result.issue());
+  return std::move(*result);
+}
+
+}  // namespace loden::bench

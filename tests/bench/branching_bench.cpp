@@ -1,0 +1,133 @@
+// What dynamic branching saves: texture instructions per pixel and frame time against lambda, with the branch
+// over bands on and off, in one interleaved run; beside a diffuse and normal map. Full screen, one light.
+#include <epoxy/gl.h>
+
+#include <cstdio>
+
+#include "runtime/shader_variants.h"
+#include "tests/bench/bench_support.h"
+
+namespace {
+
+using namespace loden;
+using namespace loden::bench;
+using namespace loden::runtime;
+
+constexpr glm::ivec2 kSize{400, 400};
+constexpr int kRounds = 15;
+
+const char kMaterial[] = R"(
+#include "loden_shared.h"
+#include "loden_interface.glsl"
+#include "loden_directions.glsl"
+#include "loden_vdim.glsl"
+#include "loden_bands.glsl"
+#include "loden_material.glsl"
+layout(location = 0) in vec2 uv;
+layout(location = 0) out vec4 color;
+layout(location = 0) uniform vec2 lambda;  // at the bottom and at the top of the picture
+void main() {
+  vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(uv - 0.5, 0.6));
+  LodenMaterial m = loden_material_default();
+  LodenHit h = loden_find_hit_at(m, uv * 5.0, mix(lambda.x, lambda.y, uv.y), wo);
+  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
+#ifdef LODEN_COUNT_FETCHES
+  color.w = float(loden_fetches);
+#endif
+})";
+
+// What every engine has: one diffuse and one normal map, trilinear.
+const char kNormalMap[] = R"(
+layout(binding = 19) uniform sampler2DArray normal_map;
+layout(binding = 20) uniform sampler2DArray diffuse_map;
+layout(location = 0) in vec2 uv;
+layout(location = 0) out vec4 color;
+void main() {
+  vec3 wi = normalize(vec3(0.3, 0.2, 1.0));
+  vec3 n = normalize(texture(normal_map, vec3(uv * 5.0, 0.0)).xyz);
+  color = vec4(texture(diffuse_map, vec3(uv * 5.0, 0.0)).xyz * max(dot(n, wi), 0.0), 2.0);
+})";
+
+struct Subject {
+  const char* name;
+  MaterialId id;
+  GlProgram branching, straight, counting, counting_straight;
+};
+
+GlProgram materialProgram(const FullScreen& screen, MaterialVariant variant, bool branch, bool count) {
+  variant.count_fetches = count;
+  std::vector<std::string> defines = variantDefines(variant);
+  if (!branch) defines.push_back("LODEN_NO_BRANCH 1");
+  return screen.program(kMaterial, defines);
+}
+
+Subject makeSubject(const FullScreen& screen, MaterialSystem& materials, const Material& material, const char* name) {
+  const MaterialId id = require(materials.load(assetSource(material), name));
+  materials.demand(id, 0);
+  materials.finishLoading();
+  const MaterialVariant variant = materials.variant(id);
+  return {name, id, materialProgram(screen, variant, true, false), materialProgram(screen, variant, false, false),
+          materialProgram(screen, variant, true, true), materialProgram(screen, variant, false, true)};
+}
+
+void drawAt(const FullScreen& screen, const GlProgram& program, glm::vec2 lambda) {
+  glProgramUniform2f(program.name(), 0, lambda.x, lambda.y);
+  screen.draw(program);
+}
+
+double meanFetches(const FullScreen& screen, const GlProgram& program, glm::vec2 lambda) {
+  drawAt(screen, program, lambda);
+  double sum = 0;
+  const std::vector<glm::vec4> pixels = screen.read();
+  for (const glm::vec4& pixel : pixels) sum += pixel.w;
+  return sum / double(pixels.size());
+}
+
+void report(const FullScreen& screen, MaterialSystem& materials, const Subject& subject, const GlProgram& normal_map,
+            MaterialId normal_map_textures) {
+  std::vector<glm::vec2> lambdas;
+  for (float lambda = 0; lambda <= 5; lambda += 1) lambdas.push_back({lambda, lambda});
+  lambdas.push_back({0, 6});  // a floor into the distance: every pixel its own lambda
+  std::vector<std::function<void()>> tasks;
+  tasks.push_back([&] {
+    materials.bind(normal_map_textures);
+    screen.draw(normal_map);
+  });
+  for (const glm::vec2 lambda : lambdas)
+    for (const GlProgram* program : {&subject.branching, &subject.straight})
+      tasks.push_back([&, lambda, program] {
+        materials.bind(subject.id);
+        drawAt(screen, *program, lambda);
+      });
+  const std::vector<double> ms = interleavedMedians(tasks, kRounds);
+  materials.bind(subject.id);
+  for (size_t i = 0; i < lambdas.size(); ++i) {
+    const std::string lambda = lambdas[i].x == lambdas[i].y ? std::to_string(int(lambdas[i].x)) : "0..6";
+    std::printf("%-8s %6s %10.1f %10.1f %10.2f %10.2f %10.2f\n", subject.name, lambda.c_str(),
+                meanFetches(screen, subject.counting, lambdas[i]), meanFetches(screen, subject.counting_straight, lambdas[i]),
+                ms[1 + 2 * i], ms[2 + 2 * i], ms[1 + 2 * i] / ms[0]);
+  }
+}
+
+}  // namespace
+
+int main() {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  DeviceOptions options;
+  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
+  const std::unique_ptr<Device> device = require(Device::create(options));
+  const std::unique_ptr<MaterialSystem> materials = require(MaterialSystem::create(*device, {}));
+  const FullScreen screen(kSize);
+  const Subject lod = makeSubject(screen, *materials, lodMaterial(1), "lod");
+  const Subject fused = makeSubject(screen, *materials, fusedMaterial(2), "fused");
+  const Subject surface = makeSubject(screen, *materials, surfaceMaterial(3), "surface");
+  const GlProgram normal_map = screen.program(kNormalMap, {});
+
+  std::printf("# bench_branching: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n", kSize.x, kSize.y,
+              kRounds, device->capabilities().renderer.c_str());
+  std::printf("# fetches: texture instructions per pixel; x normal map: time against diffuse + normal map\n");
+  std::printf("%-8s %6s %10s %10s %10s %10s %10s\n", "mode", "lambda", "fetches", "no branch", "ms", "no branch",
+              "x nrm map");
+  for (const Subject* subject : {&lod, &fused, &surface}) report(screen, *materials, *subject, normal_map, surface.id);
+  return 0;
+}

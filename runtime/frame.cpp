@@ -7,6 +7,7 @@
 #include <span>
 
 #include "material/issues.h"
+#include "runtime/frame_multisample.h"
 #include "runtime/frame_shadow.h"
 #include "runtime/gl_objects.h"
 #include "runtime/gl_state.h"
@@ -84,6 +85,7 @@ struct FrameRenderer::Impl {
   SunView sun_view;
   ShadowMap shadow;
   bool shadow_drawn = false;
+  MultisampleTarget multisample;
 
   size_t object_stride = 0;
   GlBuffer frame_uniforms, shadow_uniforms, object_uniforms;
@@ -110,6 +112,7 @@ struct FrameRenderer::Impl {
   Status drawShadowMap();
   Status drawDepth();
   Status drawShaded();
+  Status drawView(const FrameTarget& target);
 };
 
 Status FrameRenderer::Impl::loadAssets(const Scene& scene) {
@@ -338,6 +341,18 @@ Status FrameRenderer::Impl::drawShaded() {
   return {};
 }
 
+Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+  glViewport(0, 0, target.size.x, target.size.y);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glClearColor(settings.background.r, settings.background.g, settings.background.b, 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, frame_uniforms.name());
+  if (sun) glBindTextureUnit(SCENE_UNIT_SHADOW, shadow.depth.name());
+  if (Status status = drawDepth(); !status) return status;
+  return drawShaded();
+}
+
 FrameRenderer::FrameRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 FrameRenderer::~FrameRenderer() = default;
 
@@ -381,16 +396,12 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   if (Status status = self.drawShadowMap(); !status) return status;
 
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
-  glViewport(0, 0, target.size.x, target.size.y);
-  glEnable(GL_FRAMEBUFFER_SRGB);
-  const glm::vec3& background = self.settings.background;
-  glClearColor(background.r, background.g, background.b, 1);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, self.frame_uniforms.name());
-  if (self.sun) glBindTextureUnit(SCENE_UNIT_SHADOW, self.shadow.depth.name());
-  if (Status status = self.drawDepth(); !status) return status;
-  if (Status status = self.drawShaded(); !status) return status;
+  const bool sampled = self.settings.samples > 1;
+  if (sampled && (self.multisample.size != target.size || self.multisample.samples != self.settings.samples))
+    self.multisample = makeMultisampleTarget(target.size, self.settings.samples);
+  const FrameTarget view = sampled ? FrameTarget{self.multisample.framebuffer.name(), target.size} : target;
+  if (Status status = self.drawView(view); !status) return status;
+  if (sampled) resolve(self.multisample, target.framebuffer);
 
   for (size_t i = 0; i < self.demanded.size(); ++i)
     self.stats.demands[i].resident = self.materials->residentLambda(self.demanded[i]);

@@ -78,7 +78,11 @@ FrameSettings frameSettings(const Options& options) {
   settings.lambda = options.lambda;
   if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;
   settings.base_materials_only = options.mode == Mode::kFallback;
+  settings.exposure = 0.8f;
+  settings.samples = 4;
   if (options.asset.empty()) return settings;
+  settings.exposure = 1;
+  settings.samples = 1;
   settings.shadows = false;
   settings.tone = ToneCurve::kClip;
   settings.sky_ambient = settings.ground_ambient = settings.background = glm::vec3(0);

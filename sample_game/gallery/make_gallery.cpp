@@ -58,7 +58,10 @@ class Writer {
     return append("meshes", mesh);
   }
 
-  void addNode(Json node) { json_["scenes"][0]["nodes"].push_back(append("nodes", std::move(node))); }
+  void addNode(Json node) {
+    const int index = append("nodes", std::move(node));  // first: a new member moves the others
+    json_["scenes"][0]["nodes"].push_back(index);
+  }
   void addLight(Json light, glm::vec3 position, Json rotation = {}) {
     Json& lights = json_["extensions"]["KHR_lights_punctual"]["lights"];
     Json node{{"name", light["name"]}, {"translation", vec(position)}};
@@ -117,19 +120,20 @@ const Exhibit kExhibit[kExhibits] = {
 
 void addHall(Writer& writer) {
   const int plaster = writer.addMaterial("plaster", {.62f, .60f, .56f}, .95f, false);
-  const int planks = writer.addMaterial("floor", {.20f, .17f, .15f}, .7f, false);
-  const float left = -kHalfWidth, right = kHalfWidth, width = 2 * kHalfWidth, far = kNear - kLength;
-  const auto add = [&](const char* name, const Shape& shape, int material) {
-    writer.addNode({{"name", name}, {"mesh", writer.addMesh(name, shape, material)}});
+  const int planks = writer.addMaterial("floor", {.30f, .24f, .19f}, .7f, false);
+  const auto add = [&](const char* name, glm::vec3 min, glm::vec3 max, int material) {
+    writer.addNode({{"name", name}, {"mesh", writer.addMesh(name, box(min, max), material)}});
   };
-  add("floor", rectangle({left, 0, kNear}, {width, 0, 0}, {0, 0, -kLength}), planks);
-  add("left wall", rectangle({left, 0, kNear}, {0, 0, -kLength}, {0, kHeight, 0}), plaster);
-  add("right wall", rectangle({right, 0, far}, {0, 0, kLength}, {0, kHeight, 0}), plaster);
-  add("far wall", rectangle({left, 0, far}, {width, 0, 0}, {0, kHeight, 0}), plaster);
-  add("near wall", rectangle({right, 0, kNear}, {-width, 0, 0}, {0, kHeight, 0}), plaster);
-  // The ceiling leaves a skylight in the middle, through which the sun falls.
-  add("left ceiling", rectangle({left, kHeight, far}, {1.4f, 0, 0}, {0, 0, kLength}), plaster);
-  add("right ceiling", rectangle({right - 1.4f, kHeight, far}, {1.4f, 0, 0}, {0, 0, kLength}), plaster);
+  // Thick, and reaching behind each other, so that no sunlight leaks in where they meet.
+  constexpr float kThick = 0.4f, kSkylight = 2.2f;  // half width of the opening in the ceiling
+  constexpr float kFar = kNear - kLength, kTop = kHeight + kThick, kOuter = kHalfWidth + kThick;
+  add("floor", {-kOuter, -kThick, kFar - kThick}, {kOuter, 0, kNear + kThick}, planks);
+  add("left wall", {-kOuter, 0, kFar - kThick}, {-kHalfWidth, kTop, kNear + kThick}, plaster);
+  add("right wall", {kHalfWidth, 0, kFar - kThick}, {kOuter, kTop, kNear + kThick}, plaster);
+  add("far wall", {-kOuter, 0, kFar - kThick}, {kOuter, kTop, kFar}, plaster);
+  add("near wall", {-kOuter, 0, kNear}, {kOuter, kTop, kNear + kThick}, plaster);
+  add("left ceiling", {-kOuter, kHeight, kFar - kThick}, {-kSkylight, kTop, kNear + kThick}, plaster);
+  add("right ceiling", {kSkylight, kHeight, kFar - kThick}, {kOuter, kTop, kNear + kThick}, plaster);
 }
 
 void addExhibit(Writer& writer, const Exhibit& exhibit, int pedestal) {
@@ -159,14 +163,14 @@ void addExhibit(Writer& writer, const Exhibit& exhibit, int pedestal) {
 
 void addLights(Writer& writer) {
   // A rotation that turns -z to the way the sunlight goes: down, a little to the left and away.
-  writer.addLight({{"name", "sun"}, {"type", "directional"}, {"color", {1.0, 0.95, 0.86}}, {"intensity", 3.0}},
+  writer.addLight({{"name", "sun"}, {"type", "directional"}, {"color", {1.0, 0.95, 0.86}}, {"intensity", 2.6}},
                   {0, 6, 0}, {-0.5792f, -0.2290f, -0.1782f, 0.7616f});
   for (int side : {-1, 1})
     for (float z : {-0.6f, -3.7f, -6.8f, -14.0f, -23.0f})
       writer.addLight({{"name", "lamp"},
                        {"type", "point"},
                        {"color", {1.0, 0.82, 0.62}},
-                       {"intensity", 4.0},
+                       {"intensity", 3.2},
                        {"range", 5.0}},
                       {static_cast<float>(side) * 1.9f, 2.7f, z});
 }

@@ -105,7 +105,7 @@ Shape box(glm::vec3 min, glm::vec3 max) {
   const glm::vec3 size = max - min, x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
   Shape shape;
   for (const Shape& side : {rectangle(min + z, x, y), rectangle(max - y, -z, y), rectangle(max - y - z, -x, y),
-                            rectangle(min, z, y), rectangle(min + y + z, x, -z)}) {
+                            rectangle(min, z, y), rectangle(min + y + z, x, -z), rectangle(min, x, z)}) {
     const auto first = static_cast<uint16_t>(shape.positions.size());
     shape.positions.insert(shape.positions.end(), side.positions.begin(), side.positions.end());
     shape.uvs.insert(shape.uvs.end(), side.uvs.begin(), side.uvs.end());

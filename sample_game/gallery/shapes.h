@@ -19,7 +19,7 @@ struct Shape {
 
 // A rectangle from `corner` along two edges, one quad.
 Shape rectangle(glm::vec3 corner, glm::vec3 along_u, glm::vec3 along_v);
-// A closed box without its bottom.
+// A closed box.
 Shape box(glm::vec3 min, glm::vec3 max);
 // Cloth hanging from y = height down to 0, x from -width / 2 to width / 2, facing +z, in folds that open downwards.
 Shape drapedCloth(float width, float height, int folds);

@@ -1,5 +1,7 @@
 #include "importer/bake.h"
 
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -150,7 +152,9 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   const TileTracer tracer(tile);
   const BakeScene scene{tracer, manifest, counters};
   BakeItems items(scene, folder);
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
+  tbb::task_arena arena(threads);
   const Status made = arena.execute([&] { return makeItems(items.items(), options, tile_name, counters); });
   if (!made) return made.issue();
   if (double(counters.misses) > kMaxMissRate * double(counters.hits_due)) {

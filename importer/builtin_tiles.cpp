@@ -60,11 +60,11 @@ double smooth(double low, double high, double x) { return glm::smoothstep(low, h
 // --- button: mushroom knobs on a cloth ---------------------------------------------------------------------
 
 // A curve (radius, height) from the foot's outer edge to the axis, as a function of the parameter radius:
-// equal areas of the surface of revolution get equal areas of the disk, except towards the edge, where the
-// map becomes the identity so that it joins the flat surround smoothly.
+// equal areas of the surface of revolution get equal areas of the disk.
 class MushroomProfile {
  public:
-  static constexpr double kRadius = 0.235;  // of the disk, tile periods
+  static constexpr double kDisk = 0.232;  // radius in the parameter domain, tile periods
+  static constexpr double kFoot = 0.200;  // radius in space, tile periods
   MushroomProfile();
   glm::dvec2 at(double disk_radius) const;
 
@@ -78,10 +78,10 @@ class MushroomProfile {
 glm::dvec2 MushroomProfile::spline(double u) {
   // Control points of a uniform cubic B-spline; the outermost and innermost are ghosts that make the ends
   // straight, so that the curve starts in the plane of the cloth and meets the axis at a right angle.
-  static constexpr std::array<std::array<double, 2>, kSpans + 3> kControl{{{.280, -.19},
-                                                                          {.235, -.19},
-                                                                          {.190, -.19},
-                                                                          {.130, -.19},
+  static constexpr std::array<std::array<double, 2>, kSpans + 3> kControl{{{.230, -.19},
+                                                                          {.200, -.19},
+                                                                          {.170, -.19},
+                                                                          {.125, -.19},
                                                                           {.085, -.187},
                                                                           {.080, -.150},
                                                                           {.084, -.112},
@@ -103,16 +103,10 @@ glm::dvec2 MushroomProfile::spline(double u) {
 
 MushroomProfile::MushroomProfile() {
   for (int k = 0; k <= kSamples; ++k) curve_.push_back(spline(kSpans * (1 - double(k) / kSamples)));
-  // Half the squared disk radius is the integral of density * radius ds; density 1 at the edge, `inner` inside.
-  std::vector<double> edge_share(1, 0.0), inner_share(1, 0.0);
-  for (int k = 1; k <= kSamples; ++k) {
-    const double area = std::max(0.0, (curve_[k].x + curve_[k - 1].x) / 2) * glm::distance(curve_[k], curve_[k - 1]);
-    const double edge = smooth(0.9, 1.0, double(k) / kSamples);
-    edge_share.push_back(edge_share.back() + edge * area);
-    inner_share.push_back(inner_share.back() + (1 - edge) * area);
-  }
-  const double inner = (kRadius * kRadius / 2 - edge_share.back()) / inner_share.back();
-  for (int k = 0; k <= kSamples; ++k) disk_radius_.push_back(std::sqrt(2 * (edge_share[k] + inner * inner_share[k])));
+  std::vector<double> area(1, 0.0);  // of the surface within sample k, over 2 pi
+  for (int k = 1; k <= kSamples; ++k)
+    area.push_back(area.back() + std::max(0.0, (curve_[k].x + curve_[k - 1].x) / 2) * glm::distance(curve_[k], curve_[k - 1]));
+  for (const double share : area) disk_radius_.push_back(kDisk * std::sqrt(share / area.back()));
 }
 
 glm::dvec2 MushroomProfile::at(double disk_radius) const {
@@ -132,8 +126,12 @@ Surface buttonSurface() {
   const auto position = [profile, cell](glm::dvec2 p) {
     const glm::dvec4 knob = cell(p);
     const glm::dvec2 offset = p - glm::dvec2(knob);
-    const double r = glm::length(offset), height = 0.82 + 0.18 * latticeRandom(wrapIndex(int(knob.z), 2), int(knob.w) & 1, 7);
-    const glm::dvec2 at = r < MushroomProfile::kRadius ? profile->at(r) : glm::dvec2(r, -0.19);
+    const double r = glm::length(offset);
+    const double height = 0.82 + 0.18 * latticeRandom(wrapIndex(int(knob.z), 2), int(knob.w) & 1, 7);
+    const double border = r * 0.25 / std::max({std::abs(offset.x), std::abs(offset.y), 1e-9});  // of the cell, along offset
+    glm::dvec2 at(0, -0.19);
+    if (r < MushroomProfile::kDisk) at = profile->at(r);
+    else at.x = glm::mix(MushroomProfile::kFoot, border, (r - MushroomProfile::kDisk) / (border - MushroomProfile::kDisk));
     glm::dvec3 point(glm::dvec2(knob) + (r > 1e-9 ? offset * (at.x / r) : glm::dvec2(0)), (at.y + 0.19) * height);
     point.z += 0.0035 * std::sin(kTwoPi * 12 * point.x) * std::sin(kTwoPi * 12 * point.y);  // weave of the cloth
     return point;

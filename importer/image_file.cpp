@@ -38,6 +38,7 @@ Status writeImage(const fs::path& path, int width, int height, int channels, Pix
   const auto output = OIIO::ImageOutput::create(temporary.string());
   if (!output) return cannotWrite(path, OIIO::geterror());
   OIIO::ImageSpec spec(width, height, channels, oiioType(type));
+  spec.attribute("DateTime", "1970:01:01 00:00:00");  // else the writing time: equal bakes have equal bytes
   if (path.extension() == ".exr") spec.attribute("compression", "zip:1");
   if (!output->open(temporary.string(), spec)) return cannotWrite(path, output->geterror());
   const bool written = output->write_image(OIIO::TypeDesc::FLOAT, pixels.data());

@@ -80,7 +80,9 @@ std::unique_ptr<Far::TopologyRefiner> makeRefiner(const PeriodicCage& cage, int 
   descriptor.vertIndicesPerFace = cage.corners.data();
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
   std::unique_ptr<Far::TopologyRefiner> refiner(Factory::Create(descriptor, Factory::Options(scheme, options)));
-  if (refiner) refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
+  Far::TopologyRefiner::UniformOptions uniform(levels);
+  uniform.fullTopologyInLastLevel = true;  // limit positions need it
+  if (refiner) refiner->RefineUniform(uniform);
   return refiner;
 }
 

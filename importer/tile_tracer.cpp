@@ -242,7 +242,7 @@ void TileTracer::Impl::blockedPacket(const glm::vec3* origins, const size_t* ind
     valid[k] = k < lanes ? -1 : 0;
     rays.org_x[k] = origins[k].x, rays.org_y[k] = origins[k].y, rays.org_z[k] = origins[k].z;
     rays.dir_x[k] = direction.x, rays.dir_y[k] = direction.y, rays.dir_z[k] = direction.z;
-    rays.tfar[k] = (float(kSlack) - origins[k].z) / direction.z;
+    rays.tfar[k] = std::max(0.0f, (float(kSlack) - origins[k].z) / direction.z);  // negative would read as blocked
     rays.mask[k] = 0xFFFFFFFFu;
   }
   RTCIntersectContext context;

@@ -1,0 +1,289 @@
+// Bakes of small tiles: light, periodicity, determinism, interruption, refusals.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "importer/bake.h"
+#include "importer/local_brdf.h"
+#include "importer/push_pull.h"
+#include "importer/random.h"
+#include "importer/tile_tracer.h"
+#include "importer_meshes.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::flatTile;
+using testing::groovedTile;
+using testing::TemporaryFolder;
+
+BakeOptions smallBake(int size = 8) {
+  BakeOptions options;
+  options.size = size;
+  options.geometry_size = 16;
+  options.directions = concentricDirections(3);
+  options.vdims = {{4, 5}};
+  options.quiet = true;
+  return options;
+}
+
+// Relative name to bytes of every file.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ostringstream bytes;
+    bytes << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+    files[fs::relative(entry.path(), folder).string()] = bytes.str();
+  }
+  return files;
+}
+
+BakedOutput baked(const Tile& tile, const fs::path& folder, const BakeOptions& options) {
+  const auto report = bake(tile, tile.name, folder, options);
+  EXPECT_TRUE(report.ok()) << report.issue().text;
+  auto output = BakedOutput::open(folder);
+  EXPECT_TRUE(output.ok()) << output.issue().text;
+  return *output;
+}
+
+TEST(Bake, FlatWhiteLambertGivesTheCosine) {
+  const TemporaryFolder folder;
+  const BakedOutput output = baked(flatTile(), folder.path(), smallBake());
+  const auto& directions = output.manifest().directions.samples;
+  for (int view = 0; view < int(directions.size()); ++view) {
+    const auto btf = *output.btfView(view), flat = *output.flatView(view);
+    ASSERT_EQ(btf.size(), directions.size() * 64);
+    for (size_t k = 0; k < btf.size(); ++k) {
+      const double expected = directions[k / 64].z;
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(btf[k][c], expected, 1e-3);  // half floats near 1 are 5e-4 apart
+        EXPECT_NEAR(flat[k][c], expected, 1e-3);
+      }
+    }
+    const auto visible = *output.visibleView(view);
+    for (const float v : visible) EXPECT_EQ(v, 1);
+  }
+  const auto vdim = *output.vdim(4, 5);
+  for (const glm::vec2& v : vdim) EXPECT_LT(glm::length(v), 1e-5);
+  const auto geometry = *output.geometry();
+  for (const glm::vec4& g : geometry) EXPECT_LT(glm::length(g - glm::vec4(0, 0, 0, 1)), 1e-6);
+}
+
+TEST(Bake, FlatBtfAtItsVdimIsTheBtf) {
+  // Shallow and smooth, so that nothing is hidden and both sample the same surface points.
+  const Tile tile = testing::heightFieldTile(48, [](glm::dvec2 p) { return 0.02 * (std::sin(2 * kPi * p.x) + std::cos(2 * kPi * p.y)) - 0.04; });
+  const TemporaryFolder folder;
+  BakeOptions options = smallBake(32);
+  options.vdims = {{2, 2}};
+  const BakedOutput output = baked(tile, folder.path(), options);
+  const auto btf = *output.btfView(4), flat = *output.flatView(4);  // the middle direction: straight down
+  double difference = 0;
+  for (size_t k = 0; k < btf.size(); ++k) difference = std::max(difference, double(glm::length(btf[k] - flat[k])));
+  EXPECT_LT(difference, 0.02);
+}
+
+TEST(Bake, SameBytesAtAnyNumberOfThreads) {
+  const TemporaryFolder one, three;
+  BakeOptions options = smallBake();
+  options.bounces = 1;
+  options.threads = 1;
+  (void)baked(groovedTile(), one.path(), options);
+  options.threads = 3;
+  (void)baked(groovedTile(), three.path(), options);
+  EXPECT_EQ(contents(one.path()), contents(three.path()));
+}
+
+TEST(Bake, ShardsTogetherGiveTheSameBytes) {
+  const TemporaryFolder whole, shared;
+  (void)baked(groovedTile(), whole.path(), smallBake());
+  for (const int shard : {2, 0, 1}) {
+    EXPECT_FALSE(fs::exists(shared.path() / "bake.json"));
+    BakeOptions options = smallBake();
+    options.shard = shard, options.shards = 3;
+    ASSERT_TRUE(bake(groovedTile(), "test", shared.path(), options).ok());
+  }
+  EXPECT_EQ(contents(whole.path()), contents(shared.path()));
+}
+
+TEST(Bake, ResumesWithTheSameBytes) {
+  const TemporaryFolder whole, broken;
+  (void)baked(groovedTile(), whole.path(), smallBake());
+  BakeOptions options = smallBake();
+  options.shards = 2;  // half of it: as if stopped
+  ASSERT_TRUE(bake(groovedTile(), "test", broken.path(), options).ok());
+  EXPECT_EQ(BakedOutput::open(broken.path()).issue().id, issue_id::kBakeIncomplete);
+  std::ofstream(broken.path() / "btf" / ".view_0001.tmp.exr") << "half a file";
+  options.shards = 1, options.resume = true;
+  ASSERT_TRUE(bake(groovedTile(), "test", broken.path(), options).ok());
+  EXPECT_EQ(contents(whole.path()), contents(broken.path()));
+}
+
+TEST(Bake, ResumeRefusesAnotherBakeAndAPlainRunReplacesIt) {
+  const TemporaryFolder folder;
+  (void)baked(groovedTile(), folder.path(), smallBake());
+  BakeOptions options = smallBake(6);
+  options.resume = true;
+  EXPECT_EQ(bake(groovedTile(), "test", folder.path(), options).issue().id, issue_id::kExists);
+  options.resume = false;
+  EXPECT_EQ(baked(groovedTile(), folder.path(), options).manifest().size, 6);
+}
+
+TEST(Bake, RefusesATileWithHoles) {
+  Tile tile = groovedTile();
+  tile.triangles.resize(tile.triangles.size() / 2);
+  const TemporaryFolder folder;
+  const auto report = bake(tile, "test", folder.path(), smallBake());
+  ASSERT_FALSE(report.ok());
+  EXPECT_EQ(report.issue().id, issue_id::kTileGeometry);
+  EXPECT_TRUE(contents(folder.path()).empty());
+}
+
+TEST(Bake, RefusesOptionsOutOfRange) {
+  const TemporaryFolder folder;
+  const auto id = [&](const std::function<void(BakeOptions&)>& change) {
+    BakeOptions options = smallBake();
+    change(options);
+    const auto report = bake(flatTile(), "test", folder.path(), options);
+    return report.ok() ? 0 : report.issue().id;
+  };
+  EXPECT_EQ(id([](auto& o) { o.size = 0; }), issue_id::kOption);
+  EXPECT_EQ(id([](auto& o) { o.size = 100000; }), issue_id::kOption);
+  EXPECT_EQ(id([](auto& o) { o.supersample = 0; }), issue_id::kOption);
+  EXPECT_EQ(id([](auto& o) { o.bounces = -1; }), issue_id::kOption);
+  EXPECT_EQ(id([](auto& o) { o.shard = 3, o.shards = 3; }), issue_id::kOption);
+  EXPECT_EQ(id([](auto& o) { o.vdims = {{1, 4}}; }), issue_id::kOption);
+}
+
+TEST(Bake, SaysWhereItCannotWrite) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("file", "");
+  EXPECT_EQ(bake(flatTile(), "test", file / "out", smallBake()).issue().id, issue_id::kCannotWrite);
+}
+
+TEST(BakedOutput, RefusesWhatIsIncompleteOrDamaged) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(BakedOutput::open(folder.path()).issue().id, issue_id::kBakeIncomplete);
+  BakeOptions options = smallBake();
+  options.maps = {true, false, false, false};
+  const BakedOutput output = baked(flatTile(), folder.path(), options);
+  EXPECT_EQ(output.flatView(0).issue().id, issue_id::kBakeIncomplete);
+  EXPECT_EQ(output.surface().issue().id, issue_id::kBakeIncomplete);
+  fs::remove(folder.path() / "btf" / "view_0000.exr");
+  EXPECT_EQ(output.btfView(0).issue().id, issue_id::kCannotOpen);
+  fs::resize_file(folder.path() / "btf" / "view_0001.exr", 400);
+  EXPECT_FALSE(output.btfView(1).ok());
+  folder.write("bake.json", "{\"schema\": \"loden/bake/1\"}");
+  EXPECT_EQ(BakedOutput::open(folder.path()).issue().id, issue_id::kBakeManifest);
+}
+
+TEST(TileTracer, FindsTheHeightFieldFromAnyPeriodAndAngle) {
+  const auto height = [](glm::dvec2 p) { return 0.1 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1); };
+  const Tile tile = testing::heightFieldTile(96, height);
+  const TileTracer tracer(tile);
+  for (int k = 0; k < 500; ++k) {
+    const glm::dvec2 x(20 * uniform(1, 2 * k) - 10, 20 * uniform(1, 2 * k + 1) - 10);
+    const glm::dvec3 wo = directionFromSpherical({89.5 * kPi / 180 * uniform(2, k), 2 * kPi * uniform(3, k)});
+    const auto hit = tracer.intersectView(x, wo);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_NEAR(hit->position.z, height(hit->p), 2e-4);  // facets of a 96 x 96 grid
+    EXPECT_LT(glm::distance(hit->p, glm::dvec2(hit->position)), 1e-9);
+    const glm::dvec3 on_ray = glm::dvec3(x, 0) - wo * hit->t;
+    EXPECT_LT(glm::distance(on_ray, hit->position), 2e-5 / wo.z);  // float rays
+    const auto shifted = tracer.intersectView(x + glm::dvec2(3, -2), wo);
+    ASSERT_TRUE(shifted.has_value());
+    EXPECT_LT(glm::distance(shifted->p - glm::dvec2(3, -2), hit->p), 1e-4);
+  }
+}
+
+TEST(TileTracer, PacketsAgreeWithSingleRays) {
+  const TileTracer tracer(groovedTile());
+  std::vector<glm::vec3> origins;
+  std::vector<uint8_t> wanted;
+  for (int k = 0; k < 301; ++k) {
+    const TileHit hit = tracer.pointOn(uint32_t(uniform(5, k) * double(tracer.tile().triangles.size())), {0.3, 0.3});
+    origins.push_back(glm::vec3(hit.ray_origin) + glm::vec3(float(k % 7) - 3, 0, 0));
+    wanted.push_back(k % 5 != 0);
+  }
+  std::vector<uint8_t> blocked(origins.size());
+  size_t shadowed = 0;
+  for (const double theta : {0.0, 0.7, 1.4, 1.55}) {
+    const glm::vec3 direction(directionFromSpherical({theta, 0.3}));
+    tracer.occluded(origins, wanted, direction, blocked);
+    for (size_t k = 0; k < origins.size(); ++k) {
+      const bool expected = !wanted[k] || tracer.occluded(glm::dvec3(origins[k]), glm::dvec3(direction));
+      EXPECT_EQ(bool(blocked[k]), expected) << theta << ' ' << k;
+      shadowed += wanted[k] && blocked[k];
+    }
+  }
+  EXPECT_GT(shadowed, 100u);
+}
+
+TEST(ShadeHit, WhiteFurnaceReturnsAllLightWithEnoughBounces) {
+  const TileTracer tracer(groovedTile(0.25));
+  constexpr int kPaths = 20000;
+  double direct = 0, all = 0;
+  for (int k = 0; k < kPaths; ++k) {
+    const auto hit = tracer.intersectView({uniform(11, k), uniform(12, k)}, glm::dvec3(0, 0, 1));
+    ASSERT_TRUE(hit.has_value());
+    const double z = uniform(13, k), phi = 2 * kPi * uniform(14, k);  // uniform in solid angle
+    const glm::dvec3 wi(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
+    direct += 2 * shadeHit(tracer, *hit, wi, {0, 0, 1}, 0, uint64_t(k)).x / kPaths;
+    all += 2 * shadeHit(tracer, *hit, wi, {0, 0, 1}, 30, uint64_t(k)).x / kPaths;
+  }
+  EXPECT_LT(direct, 0.9);
+  EXPECT_NEAR(all, 1, 0.02);  // standard error of 20,000 paths is .006
+}
+
+TEST(LocalBrdf, AllLightsAtOnceAgreeWithOneByOne) {
+  const DirectionSet set = bonn81Directions();
+  LightTable lights(set);
+  const LocalBrdf brdf{glm::vec3(0), 0.7f, 45};
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.2, 0.9));
+  std::vector<float> cosine(lights.size()), lobe(lights.size());
+  for (const glm::dvec3& wo : set.samples) {
+    lights.setView(glm::vec3(wo));
+    lobesOfAllLights(lights, glm::vec3(normal), glm::vec3(wo), brdf.specular, brdf.exponent, cosine.data(), lobe.data());
+    for (size_t l = 0; l < lights.size(); ++l) {
+      const double c = std::max(0.0, glm::dot(normal, set.samples[l]));
+      EXPECT_NEAR(cosine[l], c, 1e-6);
+      EXPECT_NEAR(lobe[l], reflectance(brdf, normal, set.samples[l], wo).x * c, 2e-5);
+    }
+  }
+}
+
+TEST(LocalBrdf, FastPowerIsClose) {
+  for (int k = 1; k <= 2000; ++k)
+    for (const float n : {1.0f, 7.3f, 60.0f, 500.0f}) {
+      const float x = float(k) / 2000, expected = std::pow(x, n);
+      EXPECT_NEAR(fastPower(x, n), expected, 1e-30f + expected * (n * 2e-7f + 4e-6f));
+    }
+}
+
+TEST(PushPull, KeepsWhatIsDefinedAndFillsTheRestFromAround) {
+  for (const int side : {1, 2, 7, 16, 33}) {
+    const size_t texels = size_t(side * side);
+    std::vector<float> weight(texels);
+    std::vector<glm::vec3> values(texels, glm::vec3(-99));
+    for (size_t t = 0; t < texels; t += 5) weight[t] = 0.25f, values[t] = glm::vec3(float(t % 3), 2, 1);
+    const auto before = values;
+    PushPull(side, weight).apply(values);
+    for (size_t t = 0; t < texels; ++t) {
+      EXPECT_TRUE(weight[t] == 0 || values[t] == before[t]);
+      EXPECT_GE(values[t].x, 0);
+      EXPECT_LE(values[t].x, 2);
+      EXPECT_NEAR(values[t].y, 2, 1e-5);
+    }
+  }
+}
+
+TEST(PushPull, LeavesAnEmptyImageAlone) {
+  std::vector<glm::vec3> values(9, glm::vec3(3));
+  PushPull(3, std::vector<float>(9, 0)).apply(values);
+  EXPECT_EQ(values, std::vector<glm::vec3>(9, glm::vec3(3)));
+}
+
+}  // namespace
+}  // namespace loden::importer

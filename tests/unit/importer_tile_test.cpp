@@ -1,0 +1,224 @@
+// Tiles: the builtin ones, those from files, and what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "importer/weld.h"
+#include "importer_meshes.h"
+#include "material/issues.h"
+
+namespace loden::importer {
+namespace {
+
+using testing::gltfTile;
+using testing::objGrid;
+using testing::TemporaryFolder;
+
+const auto kFlat = [](glm::dvec2 q) { return glm::dvec3(2.0 * q, 1); };
+const auto kSame = [](glm::dvec2 q) { return q; };
+
+int refusal(const std::filesystem::path& path, const TileOptions& options = {}) {
+  const auto tile = loadTile(path.string(), options);
+  return tile.ok() ? 0 : tile.issue().id;
+}
+
+glm::dvec3 faceNormal(const Tile& tile, const glm::uvec3& t) {
+  return glm::cross(tile.positions[t.y] - tile.positions[t.x], tile.positions[t.z] - tile.positions[t.x]);
+}
+
+class BuiltinTile : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, BuiltinTile, ::testing::ValuesIn(builtinTileNames()), [](const auto& tile) { return tile.param; });
+
+TEST_P(BuiltinTile, HasItsTopAtZeroAndStaysPlausible) {
+  const Tile tile = *loadTile("builtin:" + GetParam());
+  double top = -1, bottom = 0;
+  for (const glm::dvec3& p : tile.positions) top = std::max(top, p.z), bottom = std::min(bottom, p.z);
+  EXPECT_EQ(top, 0);
+  EXPECT_LT(bottom, -0.05);
+  EXPECT_GT(bottom, -0.5);
+  for (const LocalBrdf& brdf : tile.brdfs) {
+    EXPECT_GE(glm::min(brdf.diffuse.x, glm::min(brdf.diffuse.y, brdf.diffuse.z)), 0);
+    EXPECT_LE(glm::max(brdf.diffuse.x, glm::max(brdf.diffuse.y, brdf.diffuse.z)), 1);
+    EXPECT_GE(brdf.specular, 0);
+    EXPECT_GE(brdf.exponent, 1);
+  }
+}
+
+TEST_P(BuiltinTile, RepeatsExactly) {
+  constexpr int n = 40;
+  const Tile tile = *builtinTile(GetParam(), n);
+  for (int k = 0; k <= n; ++k) {
+    const size_t left = size_t(k * (n + 1)), right = left + n, bottom = size_t(k), top = size_t(n * (n + 1) + k);
+    EXPECT_EQ(tile.positions[left] + glm::dvec3(1, 0, 0), tile.positions[right]);
+    EXPECT_EQ(tile.positions[bottom] + glm::dvec3(0, 1, 0), tile.positions[top]);
+    EXPECT_EQ(tile.normals[left], tile.normals[right]);
+    EXPECT_EQ(tile.normals[bottom], tile.normals[top]);
+    EXPECT_EQ(tile.brdfs[left].diffuse, tile.brdfs[right].diffuse);
+  }
+}
+
+TEST_P(BuiltinTile, OverhangsWhereItShould) {
+  const Tile tile = *builtinTile(GetParam());
+  const bool overhangs = std::any_of(tile.triangles.begin(), tile.triangles.end(),
+                                     [&](const glm::uvec3& t) { return faceNormal(tile, t).z < -1e-9; });
+  const bool height_field = GetParam() == "pulli" || GetParam() == "sponge";
+  EXPECT_EQ(overhangs, !height_field);
+  EXPECT_EQ(tile.identity_parameterization, height_field);
+  if (!height_field) return;
+  for (size_t v = 0; v < tile.positions.size(); ++v) ASSERT_EQ(glm::dvec2(tile.positions[v]), tile.params[v]);
+}
+
+TEST_P(BuiltinTile, KeepsAreaRoughlyWhereItOverhangs) {
+  const Tile tile = *builtinTile(GetParam());
+  if (tile.identity_parameterization) GTEST_SKIP() << "height fields have p = xy";
+  double sum = 0, squares = 0;  // of the area per parameter area; all triangles have the same parameter area
+  for (const glm::uvec3& t : tile.triangles) {
+    const double area = glm::length(faceNormal(tile, t));
+    sum += area, squares += area * area;
+  }
+  const double mean = sum / double(tile.triangles.size()), variance = squares / double(tile.triangles.size()) - mean * mean;
+  EXPECT_LT(std::sqrt(variance) / mean, 0.40);  // a plain grid over the button has more than 1.5
+}
+
+TEST(Tile, RefusesUnknownBuiltin) {
+  const auto tile = loadTile("builtin:tweed");
+  ASSERT_FALSE(tile.ok());
+  EXPECT_EQ(tile.issue().id, issue_id::kOption);
+  EXPECT_NE(tile.issue().text.find("pulli"), std::string::npos);
+}
+
+TEST(Tile, RefusesSubdivisionOfABuiltin) { EXPECT_EQ(refusal("builtin:pulli", {1}), issue_id::kOption); }
+
+TEST(TileObj, ComesBackWithPeriodOneAndTopAtZero) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("t.obj", objGrid(4, kFlat, kSame));
+  const auto tile = loadTile(path.string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  EXPECT_EQ(tile->triangles.size(), 32u);
+  EXPECT_TRUE(tile->identity_parameterization);
+  for (size_t v = 0; v < tile->positions.size(); ++v) EXPECT_EQ(tile->positions[v].z, 0);
+}
+
+TEST(TileObj, TurnsFlippedAndSwappedTextureCoordinates) {
+  const TemporaryFolder folder;
+  const auto wave = [](glm::dvec2 q) { return glm::dvec3(3.0 * q, 0.3 * std::sin(2 * kPi * q.x)); };
+  const std::function<glm::dvec2(glm::dvec2)> variants[] = {
+      [](glm::dvec2 q) { return glm::dvec2(q.x, 1 - q.y); }, [](glm::dvec2 q) { return glm::dvec2(1 - q.x, q.y); },
+      [](glm::dvec2 q) { return glm::dvec2(q.y, q.x); }, [](glm::dvec2 q) { return glm::dvec2(1 - q.y, 1 - q.x); }};
+  for (const auto& uv : variants) {
+    const auto tile = loadTile(folder.write("t.obj", objGrid(16, wave, uv)).string());
+    ASSERT_TRUE(tile.ok()) << tile.issue().text;
+    EXPECT_TRUE(tile->identity_parameterization);
+  }
+}
+
+TEST(TileObj, ReadsMaterialsBesideIt) {
+  const TemporaryFolder folder;
+  folder.write("m.mtl", "newmtl a\nKd 0.1 0.2 0.3\nKs 1 1 1\nNs 8\n");
+  const auto path = folder.write("t.obj", "mtllib m.mtl\nusemtl a\n" + objGrid(2, kFlat, kSame));
+  const auto tile = loadTile(path.string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  EXPECT_EQ(tile->brdfs[0].diffuse, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_FLOAT_EQ(tile->brdfs[0].specular, 2);  // (8 + 8) / 8
+}
+
+TEST(TileObj, RefusesWhatIsNoTile) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal(folder.path() / "missing.obj"), issue_id::kCannotOpen);
+  EXPECT_EQ(refusal(folder.write("t.stl", "solid")), issue_id::kOption);
+  EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\n")), issue_id::kTileGeometry);
+  EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 2 3\n")), issue_id::kTileGeometry);
+  EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 1\n")), issue_id::kTileGeometry);
+  EXPECT_EQ(refusal(folder.write("t.obj", "mtllib ../m.mtl\n")), issue_id::kGltfPath);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, kFlat, nullptr))), issue_id::kTileUv);
+  // Borders that do not match, a rotated parameterization, a period that is not square, the wrong side up.
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, kFlat, [](glm::dvec2 q) { return 0.9 * q; }))), issue_id::kTileUv);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x + 0.3 * q.y, q.y - 0.3 * q.x, 0); }, kSame))), issue_id::kTileUv);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x, 2 * q.y, 0); }, kSame))), issue_id::kTileGeometry);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(1 - q.x, q.y, 0); }, kSame))), issue_id::kTileGeometry);
+}
+
+TEST(TileObj, NamesCountAndFirstOfNonFiniteVertices) {
+  const TemporaryFolder folder;
+  const std::string text = objGrid(4, kFlat, kSame) + "v nan 0 0\nv 0 0 inf\nf 26/1 27/1 26/1\n";
+  const auto tile = loadTile(folder.write("t.obj", text).string());
+  ASSERT_FALSE(tile.ok());
+  EXPECT_EQ(tile.issue().id, issue_id::kTileNonFinite);
+  EXPECT_NE(tile.issue().where.find("vertex 25"), std::string::npos) << tile.issue().where;
+  EXPECT_EQ(tile.issue().text.rfind("2 of", 0), 0u) << tile.issue().text;
+}
+
+TEST(TileObj, SubdividedCageHasNoSeamAndUnitNormals) {
+  const TemporaryFolder folder;
+  const auto bumpy = [](glm::dvec2 q) { return glm::dvec3(q, 0.1 * std::cos(2 * kPi * q.x) * std::cos(2 * kPi * q.y) + 0.05 * std::sin(2 * kPi * q.y)); };
+  const auto tile = loadTile(folder.write("t.obj", objGrid(4, bumpy, kSame)).string(), {3});
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  EXPECT_EQ(tile->triangles.size(), 4u * 4 * 64 * 2);
+  const auto same = weldVertices(tile->positions, {1, 1, 0}, 1e-6);
+  size_t joined = 0;
+  for (size_t v = 0; v < same.size(); ++v) {
+    EXPECT_NEAR(glm::length(tile->normals[v]), 1, 1e-12);
+    EXPECT_LT(glm::distance(tile->normals[v], tile->normals[same[v]]), 1e-5);  // OpenSubdiv's weights are float
+    joined += same[v] != v;
+  }
+  EXPECT_EQ(joined, 32u + 32u + 1u);  // two sides of the border
+}
+
+TEST(TileObj, FlatCageStaysFlatAndUniformWhenSubdivided) {
+  const TemporaryFolder folder;
+  const auto tile = loadTile(folder.write("t.obj", objGrid(3, kFlat, kSame)).string(), {2});
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  EXPECT_TRUE(tile->identity_parameterization);
+  for (const glm::dvec3& p : tile->positions) EXPECT_NEAR(p.z, 0, 1e-6);
+}
+
+TEST(TileGltf, ReadsTransformedGeometryAndMaterial) {
+  const TemporaryFolder folder;
+  auto json = gltfTile();
+  json["nodes"][0]["translation"] = {5, 1, 3};
+  const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
+  EXPECT_EQ(tile->triangles.size(), 2u);
+  EXPECT_TRUE(tile->identity_parameterization);
+  EXPECT_EQ(tile->brdfs[0].diffuse, glm::vec3(0.5f, 0.25f, 0.125f));
+  EXPECT_FLOAT_EQ(tile->brdfs[0].exponent, 30);  // alpha = .25
+  EXPECT_NEAR(tile->normals[0].z, 1, 1e-12);
+}
+
+TEST(TileGltf, ReadsBinaryFilesLikeText) {
+  const TemporaryFolder folder;
+  GltfDocument document{gltfTile(), true, {}};
+  EXPECT_EQ(refusal(folder.write("t.glb", serializeGltf(document))), 0);
+}
+
+TEST(TileGltf, RefusesDamageAndEscape) {
+  const TemporaryFolder folder;
+  const auto changed = [&](const std::function<void(nlohmann::ordered_json&)>& change) {
+    auto json = gltfTile();
+    change(json);
+    return refusal(folder.write("t.gltf", json.dump()));
+  };
+  EXPECT_EQ(changed([](auto& j) { j["extensionsRequired"] = {"EXT_unknown"}; }), issue_id::kGltfRequired);
+  EXPECT_EQ(changed([](auto& j) { j["buffers"][0]["uri"] = "../t.bin"; }), issue_id::kGltfParse);
+  EXPECT_EQ(changed([](auto& j) { j["accessors"][0]["count"] = 1000000; }), issue_id::kGltfAccessor);
+  EXPECT_EQ(changed([](auto& j) { j["accessors"][0]["byteOffset"] = 40; }), issue_id::kGltfAccessor);
+  EXPECT_EQ(changed([](auto& j) { j["bufferViews"][0]["byteLength"] = 100000; }), issue_id::kGltfAccessor);
+  EXPECT_EQ(changed([](auto& j) { j["accessors"][0]["type"] = "VEC2"; }), issue_id::kGltfAccessor);
+  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9; }), issue_id::kGltfAccessor);
+  EXPECT_EQ(changed([](auto& j) { j["nodes"][0]["children"] = {0}; }), issue_id::kGltfNode);
+  EXPECT_EQ(changed([](auto& j) { j["nodes"][0]["mesh"] = 7; }), issue_id::kGltfNode);
+  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }), issue_id::kTileUv);
+  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["mode"] = 5; }), issue_id::kTileGeometry);
+  const std::string nested = R"({"asset":{"version":"2.0"},"extras":)" + std::string(20000, '[') + std::string(20000, ']') + "}";
+  EXPECT_EQ(refusal(folder.write("t.gltf", nested)), issue_id::kGltfDepth);
+  EXPECT_EQ(refusal(folder.write("t.gltf", "{")), issue_id::kGltfParse);
+}
+
+TEST(Weld, JoinsAcrossThePeriodAndAcrossCells) {
+  const std::vector<glm::dvec3> points{{0, 0, 0}, {1, 2, 0}, {1e-7, -1e-7, 1e-7}, {0.5, 0.5, 0}, {0, 0, 1}};
+  const auto same = weldVertices(points, {1, 1, 0}, 1e-6);
+  EXPECT_EQ(same, (std::vector<uint32_t>{0, 0, 0, 3, 4}));
+}
+
+}  // namespace
+}  // namespace loden::importer

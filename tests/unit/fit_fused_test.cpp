@@ -1,0 +1,130 @@
+// The fused mode end to end on a picture that lies under the reference plane: identity parameterization, z = -0.08.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "importer/fit/goal.h"
+#include "importer/fit/meta.h"
+#include "importer/fit/modes.h"
+#include "material/evaluate.h"
+#include "material/issues.h"
+#include "tests/unit/fit_synthetic.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr double kDepth = 0.08;
+constexpr int kSide = 16;
+
+double wave(glm::dvec2 p) { return 0.5 + 0.2 * std::sin(2 * kPi * p.x) + 0.15 * std::cos(2 * kPi * (p.x + 2 * p.y)); }
+
+SyntheticSource sunkenPicture() {
+  return {kSide, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
+            return glm::dvec3(0.9, 0.7, 0.4) * wave(x - kDepth * glm::dvec2(wo) / wo.z) * wi.z;
+          }};
+}
+
+GeometryImage sunkenPlane(int side) {
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < side * side; ++t) positions.emplace_back((t % side + 0.5) / side, (t / side + 0.5) / side, -kDepth);
+  return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), true);
+}
+
+FusedPlan smallPlan() {
+  FusedPlan plan;
+  plan.y_components = 4;
+  plan.flat_scale = 2;
+  return plan;
+}
+
+TEST(Fused, BeatsThePlaneOnParallax) {
+  const SyntheticSource source = sunkenPicture();
+  const auto btf = loadYcc(source, 0);
+  const FusedFit fused = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 0);
+  CookOptions options;
+  options.y_components = 4;
+  const auto lod = fitLod(source, *btf, options);
+  const double plane = measureError(*lod, *btf, source.lights(), source.views(), {}, 0).channel[0].rmse();
+  EXPECT_LT(fused.error.channel[0].rmse(), 0.01);
+  EXPECT_GT(plane, 4 * fused.error.channel[0].rmse());
+  EXPECT_EQ(rawFileBytes(fused.material), fusedBytes(smallPlan(), kSide, 32));
+}
+
+TEST(Fused, SameBytesAtAnyThreadCount) {
+  const SyntheticSource source = sunkenPicture();
+  const auto btf = loadYcc(source, 0);
+  const FusedFit one = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 1);
+  const FusedFit three = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 3);
+  for (size_t b = 0; b < one.material.bands.size(); ++b) {
+    EXPECT_EQ(one.material.bands[b].weights.data, three.material.bands[b].weights.data);
+    EXPECT_EQ(one.material.bands[b].table.data, three.material.bands[b].table.data);
+  }
+  EXPECT_EQ(one.error.channel[0].mse, three.error.channel[0].mse);
+}
+
+// No step above one 8-bit code of white for a lambda change of 0.01; and the far end is the exact average.
+TEST(Fused, ContinuousInLambdaDownToTheAverage) {
+  const SyntheticSource source = sunkenPicture();
+  const auto btf = loadYcc(source, 0);
+  const FusedFit fit = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 0);
+  const Evaluator evaluator(fit.material);
+  for (const int pair : {0, 1234, 4321, 6000}) {
+    const glm::dvec3 wi = source.lights().samples[size_t(pair % 81)], wo = source.views().samples[size_t(pair / 81)];
+    const glm::dvec2 x(0.23, 0.71);
+    glm::dvec3 last = evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo);
+    for (int i = 1; i <= 600; ++i) {
+      const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(x, 0.01 * i, wo), wi, wo);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], last[c], 1.0 / 255) << "lambda " << 0.01 * i;
+      last = value;
+    }
+    double average = 0;
+    for (int t = 0; t < kSide * kSide; ++t)
+      average += wave(glm::dvec2(t % kSide + 0.5, t / kSide + 0.5) / double(kSide) - kDepth * glm::dvec2(wo) / wo.z);
+    EXPECT_NEAR(last.x, 0.9 * wi.z * average / (kSide * kSide), 0.0018);  // 55 dB
+  }
+}
+
+// An error that falls with components and with the finer structures.
+Result<double> pretended(const FusedPlan& plan) {
+  return 0.3 / (4 + plan.y_components) + 0.005 / plan.flat_scale + 0.001 * (25 - plan.phis) / 12.0;
+}
+
+TEST(Goal, LeastErrorStaysWithinTheBytes) {
+  const auto choice = choosePlan({600000, 0}, 64, 128, pretended);
+  ASSERT_TRUE(choice.ok());
+  EXPECT_LE(fusedBytes(choice->plan, 64, choice->plan.geometry_side), 600000u);
+  for (const TradePoint& p : choice->measured) {
+    EXPECT_LE(p.bytes, 600000u);
+    EXPECT_GE(p.rmse_y, *pretended(choice->plan));
+  }
+}
+
+TEST(Goal, TargetIsMetByTheCheapestMeasured) {
+  const auto choice = choosePlan({0, 0.02}, 64, 128, pretended);
+  ASSERT_TRUE(choice.ok());
+  EXPECT_LE(*pretended(choice->plan), 0.02);
+  const uint64_t bytes = fusedBytes(choice->plan, 64, choice->plan.geometry_side);
+  for (const TradePoint& p : choice->measured)
+    EXPECT_TRUE(p.rmse_y > 0.02 || p.bytes >= bytes) << p.bytes;
+}
+
+TEST(Goal, SaysWhatCannotBeMet) {
+  const auto bytes = choosePlan({1000, 0}, 64, 128, pretended);
+  ASSERT_FALSE(bytes.ok());
+  EXPECT_EQ(bytes.issue().id, issue_id::kGoal);
+  const auto error = choosePlan({0, 1e-5}, 64, 128, pretended);
+  ASSERT_FALSE(error.ok());
+  EXPECT_EQ(error.issue().id, issue_id::kGoal);
+}
+
+TEST(Goal, ParetoFrontFallsInError) {
+  const std::vector<TradePoint> front = paretoFront({{{}, 300, 0.1}, {{}, 100, 0.5}, {{}, 200, 0.6}, {{}, 300, 0.05}, {{}, 400, 0.05}});
+  ASSERT_EQ(front.size(), 2u);
+  EXPECT_EQ(front[0].bytes, 100u);
+  EXPECT_EQ(front[1].bytes, 300u);
+  EXPECT_EQ(front[1].rmse_y, 0.05);
+}
+
+}  // namespace
+}  // namespace loden::importer

@@ -1,0 +1,104 @@
+// The equation's terms against plain formulas.
+
+#include "material/evaluate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/material_fixtures.h"
+
+namespace loden {
+namespace {
+
+TEST(Window, IsLbtfsWeight) {
+  // w_k = min(max(1 - lambda + k, 0), 1), LBTF eq. 7.
+  for (int k = 0; k < 5; ++k) {
+    Window window;
+    window.out_begin = static_cast<float>(k);
+    window.out_end = static_cast<float>(k + 1);
+    for (double lambda = 0; lambda < 6; lambda += 0.13)
+      EXPECT_NEAR(windowWeight(window, lambda), std::min(std::max(1 - lambda + k, 0.0), 1.0), 1e-12);
+  }
+}
+
+TEST(Window, CrossFadeSumsToOne) {
+  Window fine, coarse;
+  fine.out_begin = 1, fine.out_end = 2;
+  coarse.in_begin = 1, coarse.in_end = 2;
+  for (double lambda = 0; lambda < 6; lambda += 0.07)
+    EXPECT_NEAR(windowWeight(fine, lambda) + windowWeight(coarse, lambda), 1, 1e-12);
+}
+
+TEST(Mean, IsPhong) {
+  const PhongMean mean{0.1f, 0.5f, 0.3f, 20, 0.02f, -0.03f, MeanChroma::kConstant};
+  const glm::dvec3 wi = directionFromSpherical({0.5, 1}), wo = directionFromSpherical({0.8, 2});
+  const double cosine = glm::normalize(wi + wo).z;
+  const glm::dvec3 value = evaluateMean(mean, wi, wo);
+  EXPECT_NEAR(value.x, 0.1 + 0.5 * std::cos(0.5) + 0.3 * std::pow(cosine, 20), 1e-7);
+  EXPECT_NEAR(value.y, 0.02, 1e-7);
+  EXPECT_NEAR(value.z, -0.03, 1e-7);
+}
+
+TEST(Mean, RatioChromaFollowsY) {
+  const PhongMean mean{0, 1, 0, 1, 0.2f, -0.1f, MeanChroma::kRatio};
+  const glm::dvec3 up(0, 0, 1);
+  const glm::dvec3 value = evaluateMean(mean, directionFromSpherical({1.0, 0}), up);
+  EXPECT_NEAR(value.y, 0.2 * value.x, 1e-7);
+  EXPECT_NEAR(value.z, -0.1 * value.x, 1e-7);
+}
+
+TEST(Evaluator, FloatAndDoubleAgree) {
+  for (const Material& material : {test::lodMaterial(), test::fusedMaterial(), test::surfaceMaterial()}) {
+    const Evaluator evaluator(material, {16, 8});
+    for (int k = 0; k < 400; ++k) {
+      const glm::dvec2 x(0.137 * k - 3, 0.0713 * k);
+      const double lambda = 0.011 * k;
+      const glm::dvec3 wi = directionFromSpherical({0.0037 * k, 0.31 * k}), wo = directionFromSpherical({0.9, 0.17 * k});
+      const auto a = evaluator.evaluate(evaluator.findHit(x, lambda, wo, Lookup::kNone), wi, wo);
+      const auto b = evaluator.evaluate(
+          evaluator.findHit(glm::vec2(x), static_cast<float>(lambda), glm::vec3(wo), Lookup::kNone), glm::vec3(wi),
+          glm::vec3(wo));
+      // Noise of the fixtures reaches 1 per texel, so coordinates' rounding (1e-6) times the texel density shows.
+      EXPECT_NEAR(a.x, b.x, 2e-3) << "sample " << k;
+      EXPECT_NEAR(a.y, b.y, 2e-3) << "sample " << k;
+      EXPECT_NEAR(a.z, b.z, 2e-3) << "sample " << k;
+    }
+  }
+}
+
+TEST(Evaluator, IsContinuousInLambda) {
+  // No step above 1/255 of white for a change of 0.01, where the bands' own values are of the order of 1.
+  const Material material = test::fusedMaterial();
+  const Evaluator evaluator(material, {16, 8});
+  const glm::dvec3 wi = directionFromSpherical({0.4, 1}), wo = directionFromSpherical({0.6, 3});
+  glm::dvec3 last(0);
+  for (double lambda = 0; lambda < material.lambda_max + 2; lambda += 1e-4) {
+    const auto value = evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3, 0.7), lambda, wo, Lookup::kNone), wi, wo);
+    if (lambda > 0) EXPECT_LT(glm::length(value - last), 1e-2) << "lambda " << lambda;
+    last = value;
+  }
+}
+
+TEST(Evaluator, DirectionsBelowTheHorizonAreBlack) {
+  const Material material = test::fusedMaterial();
+  const Evaluator evaluator(material, {16, 8});
+  const glm::dvec3 up(0, 0, 1), down = glm::normalize(glm::dvec3(1, 0, -0.2));
+  const auto hit = evaluator.findHit(glm::dvec2(0.5), 0.0, up);
+  EXPECT_EQ(glm::length(evaluator.evaluate(hit, down, up)), 0);
+  EXPECT_EQ(glm::length(evaluator.evaluate(hit, up, down)), 0);
+}
+
+TEST(Evaluator, LightFadesToZeroAtTheHorizon) {
+  const Material material = test::fusedMaterial();
+  const Evaluator evaluator(material, {16, 8});
+  const glm::dvec3 up(0, 0, 1);
+  const auto hit = evaluator.findHit(glm::dvec2(0.2, 0.4), 3.0, up);
+  const auto at = [&](double theta) { return evaluator.evaluate(hit, directionFromSpherical({theta, 1}), up); };
+  const double theta_max = material.theta_max;
+  for (double theta = theta_max; theta < kPi / 2; theta += 0.02)
+    EXPECT_NEAR(glm::length(at(theta)), glm::length(at(theta_max)) * std::cos(theta) / std::cos(theta_max), 1e-6);
+}
+
+}  // namespace
+}  // namespace loden

@@ -1,0 +1,209 @@
+// Geometry image, its tracer and the indirection lookups on surfaces with known answers: a tilted-wave height
+// field, and waves that lean over until they overhang.
+
+#include "material/vdim.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace loden {
+namespace {
+
+constexpr double kTau = 2 * kPi;
+
+// P(p) of a wave of height h along x whose crests lean by `lean` (tile periods); overhangs for large lean.
+glm::dvec3 wavePoint(glm::dvec2 p, double height, double lean) {
+  const double phase = kTau * 2 * p.x, crest = 0.5 + 0.5 * std::cos(phase);
+  return {p.x + lean * (crest - 0.5), p.y, -height * (1 - crest)};
+}
+
+GeometryImage waveImage(int side, double height, double lean) {
+  std::vector<glm::dvec3> points;
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) points.push_back(wavePoint({(i + 0.5) / side, (j + 0.5) / side}, height, lean));
+  return encodeGeometryImage(side, points, std::vector<uint16_t>(points.size(), 1), lean == 0);
+}
+
+struct View {
+  glm::dvec2 x;
+  glm::dvec3 wo;
+};
+std::vector<View> randomViews(int count, double theta_max_degrees) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<View> views;
+  for (int k = 0; k < count; ++k) {
+    const double z = 1 - unit(random) * (1 - std::cos(theta_max_degrees * kPi / 180)), phi = kTau * unit(random);
+    const double sine = std::sqrt(1 - z * z);
+    views.push_back({{4 * unit(random) - 2, 4 * unit(random) - 2}, {sine * std::cos(phi), sine * std::sin(phi), z}});
+  }
+  return views;
+}
+
+TEST(GeometryImage, KeepsPositionsWithinItsQuantisation) {
+  const GeometryImage image = waveImage(64, 0.1, 0.2);
+  EXPECT_FALSE(image.identity_parameterization);
+  for (int i = -70; i < 140; i += 13)
+    for (int j = -70; j < 140; j += 17) {
+      const Patch<double> patch = fetchPatch<double>(image, i, j);
+      const glm::dvec3 expected = wavePoint({(i + 0.5) / 64, (j + 0.5) / 64}, 0.1, 0.2);
+      // Half a code of 16 bits over a range of .4 tile periods.
+      EXPECT_NEAR(patch.p00.x, expected.x, 4e-6);
+      EXPECT_NEAR(patch.p00.y, expected.y, 4e-6);
+      EXPECT_NEAR(patch.p00.z, expected.z, 4e-6);
+      EXPECT_EQ(patch.chart, 1u);
+    }
+}
+
+TEST(GeometryImage, PatchesDoNotBridgeCharts) {
+  std::vector<glm::dvec3> points;
+  std::vector<uint16_t> charts;
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i) {
+      points.emplace_back((i + 0.5) / 8, (j + 0.5) / 8, -0.1);
+      charts.push_back(i == 7 ? 0 : i < 4 ? 1 : 2);
+    }
+  const GeometryImage image = encodeGeometryImage(8, points, charts, true);
+  EXPECT_EQ(fetchPatch<float>(image, 2, 2).chart, 1u);
+  EXPECT_EQ(fetchPatch<float>(image, 3, 2).chart, 0u);  // across charts 1 and 2
+  EXPECT_EQ(fetchPatch<float>(image, 4, 2).chart, 2u);
+  EXPECT_EQ(fetchPatch<float>(image, 6, 2).chart, 0u);  // into the gutter
+}
+
+TEST(GeometryTracer, MeetsAHeightFieldWhereItsEquationSays) {
+  const double height = 0.2;
+  const GeometryTracer tracer(waveImage(256, height, 0));
+  for (const View& view : randomViews(2000, 85)) {
+    const auto hit = tracer.traceView(view.x, view.wo);
+    ASSERT_TRUE(hit);
+    const double expected = wavePoint(glm::dvec2(hit->position), height, 0).z;
+    EXPECT_NEAR(hit->position.z, expected, 2e-4);  // chords of 256 segments over two waves: h (pi / 128)^2 / 2
+    // Nothing above the surface was passed: march the ray at a fine step.
+    for (double z = 0; z > hit->position.z + 1e-3; z -= 1e-3) {
+      const glm::dvec2 at = view.x + glm::dvec2(view.wo) / view.wo.z * z;
+      ASSERT_GT(z, wavePoint(at, height, 0).z - 5e-4);
+    }
+  }
+}
+
+TEST(GeometryTracer, IsPeriodic) {
+  const GeometryTracer tracer(waveImage(64, 0.15, 0.2));
+  for (const View& view : randomViews(300, 85)) {
+    const auto a = tracer.traceView(view.x, view.wo), b = tracer.traceView(view.x + glm::dvec2(-1, 3), view.wo);
+    ASSERT_TRUE(a && b);
+    EXPECT_NEAR(a->p.x - 1, b->p.x, 1e-7);
+    EXPECT_NEAR(a->p.y + 3, b->p.y, 1e-7);
+  }
+}
+
+TEST(GeometryTracer, OccludedAgreesWithTheView) {
+  // A point that the view ray met first sees the viewer; a point just below it does not.
+  const GeometryTracer tracer(waveImage(128, 0.2, 0.3));
+  for (const View& view : randomViews(500, 80)) {
+    const auto hit = tracer.traceView(view.x, view.wo);
+    ASSERT_TRUE(hit);
+    EXPECT_FALSE(tracer.occluded(hit->position + 1e-6 * hit->normal, view.wo));
+    EXPECT_TRUE(tracer.occluded(hit->position - 1e-4 * view.wo, view.wo));
+  }
+}
+
+TEST(Vdim, DirectionGridRoundTrips) {
+  for (double v = 0.03; v < 1; v += 0.09)
+    for (double u = 0.03; u < 1; u += 0.09) {
+      const glm::dvec2 back = vdimSquareFromView(vdimViewFromSquare({u, v}));
+      EXPECT_NEAR(back.x, u, 1e-6);  // atanh near its pole costs digits
+      EXPECT_NEAR(back.y, v, 1e-6);
+    }
+}
+
+class VdimOnWaves : public testing::TestWithParam<double> {};
+
+TEST_P(VdimOnWaves, DefaultLookupAgreesWithTheTracer) {
+  const GeometryImage image = waveImage(128, 0.15, GetParam());
+  const GeometryTracer tracer(image);
+  const VdimAtlas atlas = buildVdimAtlas(image, tracer, {});
+  int converged = 0, wrong = 0, fetches = 0;
+  const auto views = randomViews(4000, 85);
+  for (const View& view : views) {
+    const auto truth = tracer.traceView(view.x, view.wo);
+    const VdimHit<double> hit = vdimLookup<double>(image, atlas, VdimTier::kDefault, view.x, view.wo);
+    converged += hit.converged;
+    fetches += hit.fetches;
+    wrong += glm::length(hit.p - truth->p) > 1.0 / 64;
+    EXPECT_TRUE(std::isfinite(hit.p.x + hit.p.y + hit.position.z));
+  }
+  EXPECT_GE(converged, 0.98 * views.size());
+  EXPECT_LE(wrong, 0.03 * views.size());  // the goal of the default tier, on smooth waves
+  EXPECT_LE(fetches, 14 * static_cast<int>(views.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Lean, VdimOnWaves, testing::Values(0.0, 0.1, 0.35));
+
+TEST(Vdim, FlatTileIsTheIdentity) {
+  const GeometryImage image = waveImage(16, 0, 0);
+  const VdimAtlas atlas = buildVdimAtlas(image, GeometryTracer(image), {16, 8});
+  for (const View& view : randomViews(200, 85)) {
+    const VdimHit<float> hit =
+        vdimLookup<float>(image, atlas, VdimTier::kDefault, glm::vec2(view.x), glm::vec3(view.wo));
+    EXPECT_NEAR(hit.p.x, view.x.x, 2e-6);
+    EXPECT_NEAR(hit.p.y, view.x.y, 2e-6);
+  }
+}
+
+TEST(Vdim, AtlasDoesNotDependOnThreads) {
+  const GeometryImage image = waveImage(64, 0.15, 0.35);
+  const GeometryTracer tracer(image);
+  const VdimAtlas one = buildVdimAtlas(image, tracer, {16, 8}, 1), many = buildVdimAtlas(image, tracer, {16, 8}, 7);
+  EXPECT_EQ(one.depth.data, many.depth.data);
+  EXPECT_EQ(one.volume.data, many.volume.data);
+}
+
+TEST(Vdim, HugeCoordinatesKeepTheirFraction) {
+  const GeometryImage image = waveImage(64, 0.15, 0.2);
+  const VdimAtlas atlas = buildVdimAtlas(image, GeometryTracer(image), {16, 8});
+  const glm::dvec3 wo = glm::normalize(glm::dvec3(1, 0.4, 0.7));
+  for (double x = 0.05; x < 1; x += 0.1) {
+    const auto near = vdimLookup<double>(image, atlas, VdimTier::kDefault, {x, 0.3}, wo);
+    const auto far = vdimLookup<double>(image, atlas, VdimTier::kDefault, {x + 1e5, 0.3 - 1e5}, wo);
+    EXPECT_NEAR(far.p.x - 1e5, near.p.x, 1e-6);
+    EXPECT_NEAR(far.p.y + 1e5, near.p.y, 1e-6);
+  }
+}
+
+TEST(Vdim, GrazingAndDegenerateViewsStayFinite) {
+  const GeometryImage image = waveImage(32, 0.2, 0.35);
+  const VdimAtlas atlas = buildVdimAtlas(image, GeometryTracer(image), {16, 8});
+  for (const glm::vec3 wo : {glm::vec3(0, 0, 1), glm::vec3(1, 0, 1e-7f), glm::vec3(-0.70710678f, 0.70710678f, 0),
+                             glm::vec3(1e-8f, 0, 1), glm::vec3(0, -1, 0)}) {
+    for (const VdimTier tier : {VdimTier::kFast, VdimTier::kDefault}) {
+      const auto hit = vdimLookup<float>(image, atlas, tier, glm::vec2(0.4f, 0.9f), wo);
+      EXPECT_TRUE(std::isfinite(hit.p.x) && std::isfinite(hit.p.y) && std::isfinite(hit.position.z));
+    }
+  }
+}
+
+TEST(PaperVdim, ReturnsStoredViewsExactly) {
+  // A single texel whose displacement is known in closed form: direction = azimuth, distance = tan-like.
+  PaperVdim vdim;
+  vdim.side = 1, vdim.zeniths = 8, vdim.azimuths = 32;
+  vdim.range = {1, 1};
+  vdim.reference = Texture::make(TexelFormat::kRG16Snorm, TextureShape::kArray2D, 1, 1, 1);
+  vdim.packed = Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kArray2D, 32, 8, 1);
+  for (int z = 0; z < 8; ++z)
+    for (int a = 0; a < 32; ++a) {
+      const double phi = kTau * a / 31;
+      storeTexel(vdim.packed, 0, a, z, 0, {std::cos(phi), std::sin(phi), 0.1 * z, 0});
+    }
+  for (int z = 0; z < 8; ++z)
+    for (int a = 0; a < 31; ++a) {
+      const glm::dvec3 wo = directionFromSpherical({kThetaMax * z / 7, kTau * a / 31});
+      const glm::dvec2 p = paperVdimLookup<double>(vdim, {0.5, 0.5}, wo);
+      EXPECT_NEAR(p.x, 0.5 + (z == 0 ? 0 : 0.1 * z * std::cos(kTau * a / 31)), 1e-4);
+      EXPECT_NEAR(p.y, 0.5 + (z == 0 ? 0 : 0.1 * z * std::sin(kTau * a / 31)), 1e-4);
+    }
+}
+
+}  // namespace
+}  // namespace loden

@@ -134,6 +134,9 @@ FullScreen::FullScreen(glm::ivec2 size)
   glBindVertexArray(array_.name());
 }
 
+// A program that is deleted while in use would be found, and could not be restored, by whoever draws next.
+FullScreen::~FullScreen() { glUseProgram(0); }
+
 GlProgram FullScreen::program(const std::string& fragment, std::span<const std::string> defines) const {
   return require(compileProgram(kVertex, {"bench.frag", fragment}, defines, "bench"));
 }

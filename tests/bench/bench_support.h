@@ -25,6 +25,9 @@ std::shared_ptr<const ByteSource> assetSource(const Material& material);
 class FullScreen {
  public:
   explicit FullScreen(glm::ivec2 size);
+  ~FullScreen();
+  FullScreen(const FullScreen&) = delete;
+  FullScreen& operator=(const FullScreen&) = delete;
   // Fragment text as in runtime/shader_library.h; exits with the compiler's message if it is wrong.
   runtime::GlProgram program(const std::string& fragment, std::span<const std::string> defines) const;
   void draw(const runtime::GlProgram& program) const;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <thread>
 
 #include "runtime/frame.h"
 #include "runtime/material_parts.h"
@@ -21,7 +22,8 @@ using namespace loden::bench;
 using namespace loden::runtime;
 
 constexpr int kMaterials = 100;
-constexpr int kFrames = 900;
+constexpr int kFrames = 1500;
+constexpr int kStanding = 180;  // frames before the walk begins
 constexpr float kReach = 3;  // materials to either side that are seen
 
 using Clock = std::chrono::steady_clock;
@@ -67,14 +69,15 @@ struct Walk {
   std::vector<double> steady_ms, streaming_ms;
 };
 
-// One walk from the first to the last material; the nearest one is drawn.
+// One walk from the first to the last material, at 60 frames a second; the nearest one is drawn.
 Walk walkThrough(const Gallery& gallery, MaterialSystem& materials, const std::vector<MaterialId>& ids, uint64_t budget,
                  const std::function<void(MaterialId)>& draw) {
   Walk walk;
   std::vector<float> finest(ids.size(), 1e9f);
   const uint64_t headers = materials.stats().read_bytes;
   for (int frame = 0; frame < kFrames; ++frame) {
-    const float at = float(frame) / float(kFrames - 1) * float(kMaterials - 1);
+    const float walked = float(std::max(frame - kStanding, 0)) / float(kFrames - 1 - kStanding);
+    const float at = walked * float(kMaterials - 1);
     const auto start = Clock::now();
     bool sharp = true;
     for (size_t i = 0; i < ids.size(); ++i) {
@@ -93,6 +96,7 @@ Walk walkThrough(const Gallery& gallery, MaterialSystem& materials, const std::v
     const bool quiet = stats.uploaded_last_frame == 0 && stats.parts_in_flight == 0 && stats.evicted_parts == evicted;
     (quiet ? walk.steady_ms : walk.streaming_ms).push_back(milliseconds(start));
     walk.frames_over_budget += stats.resident_bytes > budget;
+    std::this_thread::sleep_until(start + std::chrono::microseconds(16667));
     if (sharp && walk.first_picture_frames < 0) {
       walk.first_picture_frames = frame;
       walk.first_picture_bytes = stats.read_bytes - headers;
@@ -148,22 +152,40 @@ Scene sceneOf(int count) {
   return scene;
 }
 
-std::vector<double> frameTimes(const Device& device, int count) {
-  const auto materials = require(MaterialSystem::create(device, {}));
-  ShaderLibrary shaders(device, {});
-  const auto renderer = require(FrameRenderer::create(device, shaders, *materials, sceneOf(count)));
+// One scene with its own materials and renderer, ready to be drawn again and again.
+struct Stage {
+  std::unique_ptr<MaterialSystem> materials;
+  std::unique_ptr<ShaderLibrary> shaders;
+  std::unique_ptr<FrameRenderer> renderer;
+};
+
+Stage makeStage(const Device& device, int count, const View& view) {
+  Stage stage;
+  stage.materials = require(MaterialSystem::create(device, {}));
+  stage.shaders = std::make_unique<ShaderLibrary>(device, ShaderLibraryOptions{});
+  stage.renderer = require(FrameRenderer::create(device, *stage.shaders, *stage.materials, sceneOf(count)));
+  stage.renderer->prepare(view, {});
+  stage.materials->finishLoading();
+  return stage;
+}
+
+void reportScale(const Device& device) {
   const RenderTarget target = makeRenderTarget({400, 300}, ColorFormat::kSrgb8, "scale");
   const View view = makeView({}, target.size);
-  std::vector<double> times;
-  for (int frame = -5; frame < 60; ++frame) {
-    const auto start = Clock::now();
-    renderer->prepare(view, {});
-    frame < -4 ? materials->finishLoading() : materials->update(1.0f / 60);
-    if (Status status = renderer->draw({target.framebuffer.name(), target.size}); !status) fail(status.issue());
-    renderer->finish();
-    if (frame >= 0) times.push_back(milliseconds(start));
-  }
-  return times;
+  const int counts[] = {1, 10, 100, 1000};
+  std::vector<Stage> stages;
+  std::vector<std::function<void()>> tasks;
+  for (const int count : counts) stages.push_back(makeStage(device, count, view));
+  for (const Stage& stage : stages)
+    tasks.push_back([&] {
+      stage.renderer->prepare(view, {});
+      stage.materials->update(1.0f / 60);
+      if (Status status = stage.renderer->draw({target.framebuffer.name(), target.size}); !status) fail(status.issue());
+    });
+  const std::vector<double> ms = interleavedMedians(tasks, 40);
+  std::printf("\n# frame time against scene size, one plane in view at 400 x 300, interleaved\n%8s %9s %9s\n", "objects",
+              "ms", "to one");
+  for (size_t i = 0; i < ms.size(); ++i) std::printf("%8d %9.2f %9.2f\n", counts[i], ms[i], ms[i] / ms[0]);
 }
 
 }  // namespace
@@ -181,12 +203,6 @@ int main() {
               "needed", "ratio", "steady99", "stream50", "stream99", "first", "first MiB");
   for (const uint64_t megabytes : {2, 8, 32}) reportWalk(*device, gallery, megabytes);
 
-  std::printf("\n# frame time against scene size, one plane in view at 400 x 300\n%8s %9s %9s\n", "objects", "ms", "to one");
-  double one = 0;
-  for (const int count : {1, 10, 100, 1000}) {
-    const double ms = quantile(frameTimes(*device, count), 0.5);
-    if (count == 1) one = ms;
-    std::printf("%8d %9.2f %9.2f\n", count, ms, ms / one);
-  }
+  reportScale(*device);
   return 0;
 }

@@ -26,7 +26,7 @@ class YccBtf {
   // texels x lights.
   void read(int channel, int view, Matrix& into) const;
 
-  static constexpr size_t kFloatLimit = size_t(3) << 29;  // bytes
+  static constexpr size_t kFloatLimit = size_t(1) << 30;  // bytes
 
  private:
   size_t offset(int channel, int view) const;

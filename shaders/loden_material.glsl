@@ -34,6 +34,8 @@ float loden_lambda_from_distance(float distance_) { return log2(max(distance_, 1
 // Share of the parallax to apply: 1 down to half a texel of the level that is shown, then fading to 0, so that
 // the lookup can be skipped where nothing of it is seen.
 float loden_parallax_fade(float lambda, vec3 wo) {
+  // Only where P.xy == p is p = x without parallax.
+  if ((loden_material.flags.x & LODEN_IDENTITY) == 0) return 1.0;
   float slope = length(wo.xy) / max(wo.z, LODEN_VDIM_COS);
   float texels = loden_material.geometry.z * slope * loden_material.surface.y * exp2(-lambda);
   return clamp(4.0 * texels - 1.0, 0.0, 1.0);

@@ -40,6 +40,7 @@ class CookCommand : public Command {
     options.integer("--levels", cook_.levels, "Levels of detail; 0: the preset's", 0, 16);
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
     options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
+    options.flag("--explain", explain_, "Print the trade of bytes against error that a goal measured, as a table");
     options.footer("Example: loden cook out/pulli -o pulli.loden --max-bytes 600k");
   }
 
@@ -110,10 +111,28 @@ class CookCommand : public Command {
     printText(formatted("%s: %s, %zu bands, %s bytes raw, %s on disk, %.1f s\n", output_.c_str(), modeName(material.mode),
                         material.bands.size(), withThousands(raw_bytes).c_str(), withThousands(file_bytes).c_str(), seconds));
     if (globals.verbose) printText(material.meta_json + "\n");
+    if (explain_) printTrade(material);
+  }
+
+  // '*' marks the candidates that no other one beats in both bytes and error.
+  static void printTrade(const Material& material) {
+    const auto meta = nlohmann::ordered_json::parse(material.meta_json, nullptr, false);
+    if (!meta.is_object() || !meta.contains("trade")) {
+      printText("no trade was measured: give --max-bytes or --target-rmse with --mode fused\n");
+      return;
+    }
+    std::string text = formatted("%12s %5s %6s %9s %12s %10s\n", "Y components", "phis", "flat x", "geometry", "bytes", "RMSE of Y");
+    for (const auto& point : meta["trade"])
+      text += formatted("%12d %5d %6d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("phis", 0),
+                        point.value("flat_scale", 0), point.value("geometry_side", 0),
+                        withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
+                        point.value("pareto", false) ? " *" : "");
+    printText(text);
   }
 
   std::filesystem::path input_, output_;
   std::string mode_ = "fused", preset_ = "game", components_;
+  bool explain_ = false;
   CookOptions cook_;
 };
 

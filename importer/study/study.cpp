@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/bake.h"
+#include "importer/bake_folder.h"
 #include "importer/tile.h"
 
 namespace loden::importer {
@@ -40,18 +41,21 @@ Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& ti
   const bool own_flat_size = flat_size != 0 && flat_size != options.size;
   if (own_flat_size) folder_name += "-flat" + std::to_string(flat_size);
   const std::filesystem::path folder = options.bakes / folder_name;
-  if (std::filesystem::exists(folder / "bake.json")) return BakedOutput::open(folder);
-
   const std::string name = studyTileName(tile);
-  auto loaded = loadTile(name);
+  const auto loaded = loadTile(name);
   if (!loaded) return loaded.issue();
+  const bool baked_before = std::filesystem::exists(folder / "bake.json");
+  if (baked_before) {
+    auto baked = BakedOutput::open(folder);
+    if (!baked || baked->manifest().input_hash == tileHash(*loaded)) return baked;
+  }
   BakeOptions bake_options;
   bake_options.size = options.size;
   bake_options.flat_size = flat_size;
   bake_options.maps.btf = bake_options.maps.vdim = !own_flat_size;
   bake_options.threads = options.threads;
   bake_options.quiet = options.quiet;
-  bake_options.resume = true;
+  bake_options.resume = !baked_before;  // what stands there is of another tile
   const auto report = bake(*loaded, name, folder, bake_options);
   if (!report) return report.issue();
   return BakedOutput::open(folder);

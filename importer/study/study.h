@@ -54,7 +54,7 @@ std::span<const Study> studies();
 const Study* findStudy(std::string_view name);
 
 // The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, or, if flat_size
-// is neither 0 nor size, <bakes>/<tile>-<size>-flat<flat_size>. Baked first if it is not there.
+// is neither 0 nor size, <bakes>/<tile>-<size>-flat<flat_size>. Baked first if it is not there, or of another tile.
 Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile, int flat_size = 0);
 // "button" -> "builtin:button"; a path stays a path.
 std::string studyTileName(const std::string& tile);

@@ -171,11 +171,22 @@ bool Residency::makeRoom(uint64_t bytes, const Candidate& wanted) {
   return true;
 }
 
+// Makes way for what is wanted now: parts that are under way, but that nobody has wanted for a while.
+void Residency::dropStaleLoads() {
+  for (uint32_t slot = 0; slot < materials_.size(); ++slot)
+    for (uint32_t i = 0; i < materials_[slot].parts.size(); ++i) {
+      const Part& part = materials_[slot].parts[i];
+      const bool stale = !part.targeted && frame_ - part.last_wanted >= options_.hysteresis_frames;
+      if (part.state == State::kLoading && stale) evict({slot, i});
+    }
+}
+
 void Residency::requestLoads() {
   for (const Candidate& candidate : candidates_) {
     Part& part = at(candidate.ref);
     if (part.state != State::kAbsent || !part.targeted) continue;
     settled_ = false;
+    if (loading_ >= options_.max_loading) dropStaleLoads();
     if (loading_ >= options_.max_loading || !makeRoom(part.desc.bytes, candidate)) return;
     part.state = State::kLoading;
     ++loading_;

@@ -94,6 +94,7 @@ class Residency {
   void chooseTargets();
   bool makeRoom(uint64_t bytes, const Candidate& wanted);
   void evictOverBudget();
+  void dropStaleLoads();
   void requestLoads();
   void evict(PartRef ref);
   bool publish(Material& material, float seconds);

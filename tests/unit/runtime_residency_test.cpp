@@ -140,6 +140,16 @@ TEST(Residency, PrefersCoarseOfOneToFineOfAnother) {
   EXPECT_FALSE(player.residency.resident({a, 3}));
 }
 
+TEST(Residency, GivesUpLoadsThatNobodyWantsAnyMore) {
+  Player player({.budget_bytes = 100000 * kKib, .floor_bytes = 0, .max_loading = 2}, 1000);  // a very slow disk
+  const uint32_t a = player.residency.add(fourLevels()), b = player.residency.add(fourLevels());
+  for (int i = 0; i < 20; ++i) player.frame({{a, 0.0f}});
+  EXPECT_EQ(player.loads, 2);
+  for (int i = 0; i < 20; ++i) player.frame({{b, 0.0f}});
+  EXPECT_EQ(player.evictions, 2) << "a's, to be dropped on arrival";
+  EXPECT_EQ(player.loads, 4);
+}
+
 TEST(Residency, KeepsTheCoarseLevelOfADamagedFile) {
   Player player({.budget_bytes = 100000 * kKib}, 1);
   const uint32_t slot = player.residency.add(fourLevels());

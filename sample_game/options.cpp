@@ -86,6 +86,7 @@ const char* modeName(Mode mode) {
 
 ParsedOptions parseOptions(int argc, char** argv) {
   ParsedOptions parsed;
+  for (int i = 0; i < argc; ++i) parsed.options.command += (i > 0 ? " " : "") + std::string(argv[i]);
   std::string size, light;
   CLI::App app("loden_walk: walks through a glTF scene with Loden materials", "loden_walk");
   addInput(app, parsed.options, light);

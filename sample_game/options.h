@@ -34,6 +34,7 @@ struct Options {
   std::optional<float> lambda;
   bool stream = false;            // headless: do not wait for the loading thread
   bool quiet = false;
+  std::string command;            // as typed, for the report
 };
 const char* modeName(Mode mode);
 

@@ -75,7 +75,7 @@ Json summaryJson(const Report& report) {
 }  // namespace
 
 Status writeReport(const std::filesystem::path& path, const Report& report, const Options& options) {
-  Json json{{"schema", "loden/walk/1"}, {"command", report.command}, {"gl", glJson(report.gl)},
+  Json json{{"schema", "loden/walk/1"}, {"command", options.command}, {"gl", glJson(report.gl)},
             {"options", optionsJson(options)}, {"summary", summaryJson(report)}, {"frames", Json::array()}};
   for (size_t i = 0; i < report.frames.size(); ++i) json["frames"].push_back(frameJson(report.frames[i], i));
   std::ofstream out(path, std::ios::binary);

@@ -23,7 +23,6 @@ struct FrameRecord {
 };
 
 struct Report {
-  std::string command;
   runtime::Capabilities gl;
   double start_ms = 0;  // from the start of the process to the first frame
   std::vector<FrameRecord> frames;

@@ -21,8 +21,21 @@ void printIssue(const Issue& issue) {
 // Scenes have y up, surfaces z up.
 glm::dvec3 upOf(const Options& options) { return options.asset.empty() ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1); }
 
+// For scenes without any light: over the shoulder of overview().
+Light defaultSun() {
+  Light sun;
+  sun.kind = LightKind::kSun;
+  sun.direction = glm::normalize(glm::vec3(-0.6f, -1.0f, -0.5f));
+  sun.intensity = glm::vec3(static_cast<float>(kPi));
+  return sun;
+}
+
 Result<Scene> makeScene(const Options& options) {
-  if (options.asset.empty()) return loadGltfScene(options.scene);
+  if (options.asset.empty()) {
+    Result<Scene> scene = loadGltfScene(options.scene);
+    if (scene && scene->lights.empty()) scene->lights.push_back(defaultSun());
+    return scene;
+  }
   const Spherical direction{options.light.x * kPi / 180, options.light.y * kPi / 180};
   return analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)));
 }

@@ -20,9 +20,10 @@ using test::MemoryBtf;
 // Asymmetric in every index, values in [.05, .95]; reciprocal up to the light's cosine if asked for.
 MemoryBtf makeBtf(int width, int height, int directions) {
   MemoryBtf btf;
-  btf.lights.samples.assign(bonn81Directions().samples.begin(), bonn81Directions().samples.begin() + directions);
+  const DirectionSet bonn = bonn81Directions();
+  btf.lights.samples.assign(bonn.samples.begin(), bonn.samples.begin() + directions);
+  if (directions == bonn.size()) btf.lights = bonn;
   btf.views = btf.lights;
-  if (directions == 81) btf.lights = btf.views = bonn81Directions();
   btf.width = width, btf.height = height;
   for (int v = 0; v < directions; ++v)
     for (int l = 0; l < directions; ++l)

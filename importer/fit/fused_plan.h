@@ -8,8 +8,8 @@
 namespace loden::importer {
 
 struct FusedPlan {
-  int y_components = 20;  // of the flat-domain band
-  int coarse_y = 4;       // of the reference-domain band
+  int y_components = 16;  // of the flat-domain band
+  int coarse_y = 12;      // of the reference-domain band
   int flat_scale = 1;     // flat texels per reference texel, along one side
   int phis = 17;          // columns of the direction grid, the repeated one counted
   int geometry_side = 0;  // of the geometry image; 0: as baked

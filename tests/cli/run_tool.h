@@ -53,8 +53,9 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-// `signal_after` > 0: sends SIGINT after so many seconds.
-inline ToolRun runTool(const std::string& tool, const std::vector<std::string>& arguments, double signal_after = 0) {
+// `interrupt_at`, if not empty: sends SIGINT as soon as this path exists, or after a minute.
+inline ToolRun runTool(const std::string& tool, const std::vector<std::string>& arguments,
+                       const std::filesystem::path& interrupt_at = {}) {
   const ScratchFolder scratch;
   const std::string out = scratch / "out", err = scratch / "err";
   posix_spawn_file_actions_t actions;
@@ -70,8 +71,9 @@ inline ToolRun runTool(const std::string& tool, const std::vector<std::string>& 
   pid_t child = 0;
   ToolRun run;
   if (posix_spawn(&child, tool.c_str(), &actions, nullptr, pointers.data(), environ) == 0) {
-    if (signal_after > 0) {
-      std::this_thread::sleep_for(std::chrono::duration<double>(signal_after));
+    if (!interrupt_at.empty()) {
+      for (int i = 0; i < 6000 && !std::filesystem::exists(interrupt_at); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
       kill(child, SIGINT);
     }
     int status = 0;

@@ -108,7 +108,7 @@ TEST(Cli, Json_IsCleanAndNamesItsSchema) {
 
 TEST(Cli, Interrupt_Gives130AndNoFinishedLookingOutput) {
   const ScratchFolder scratch;
-  const ToolRun run = loden({"bake", "builtin:isba", "-o", scratch / "bake", "--size", "128", "-q"}, 1.0);
+  const ToolRun run = loden({"bake", "builtin:isba", "-o", scratch / "bake", "--size", "128", "-q"}, scratch / "bake");
   EXPECT_EQ(run.exit_code, 130) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "bake/bake.json"));
   EXPECT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "m.loden", "-q"}).exit_code, 3);

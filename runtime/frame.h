@@ -22,6 +22,7 @@ struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
   bool shadows = true;
   bool depth_prepass = true;
+  bool parallax_depth = false;       // depth, shadows and lamps at the displaced hit; costs the early depth test
   int samples = 1;                   // per pixel, for silhouettes; 1, 2, 4 or 8
   std::optional<float> lambda;       // instead of the footprint's, everywhere
   ToneCurve tone = ToneCurve::kFilmic;

@@ -2,71 +2,125 @@
 
 #include <epoxy/gl.h>
 
-#include <cmath>
-#include <cstddef>
-#include <span>
+#include <algorithm>
+#include <cstring>
+
+#include "material/issues.h"
+#include "runtime/camera.h"
+#include "shaders/scene_shared.h"
 
 namespace loden::runtime {
 namespace {
 
-struct GpuVertex {
-  glm::vec3 position, normal;
-  glm::vec4 tangent;
-  glm::vec2 x;
-};
-
-glm::dmat2 xFromUv(const FlatBtfBinding& binding) {
-  const double c = std::cos(double(binding.rotation)), s = std::sin(double(binding.rotation));
-  const glm::dmat2 rotation(c, s, -s, c);  // columns
-  return rotation * glm::dmat2(binding.scale.x, 0, 0, binding.scale.y);
+Result<std::vector<Asset>> loadAssets(const Scene& scene, MaterialSystem& materials) {
+  std::vector<Asset> assets;
+  for (const SceneAsset& asset : scene.assets) {
+    const bool embedded = asset.path.empty();
+    auto id = embedded ? materials.load(std::shared_ptr(memorySource(asset.embedded, asset.name)), asset.name)
+                       : materials.load(asset.path);
+    if (!id) return id.issue();
+    assets.push_back({*id, embedded ? asset.name : asset.path.stem().string()});
+  }
+  return assets;
 }
 
-// Tangent along x.x from the one along u, for UVs that stretch u and v alike.
-glm::vec4 tangentAlongX(const Vertex& vertex, const glm::dmat2& uv_from_x) {
-  if (vertex.tangent.w == 0) return vertex.tangent;
-  const glm::vec3 u(vertex.tangent), v = vertex.tangent.w * glm::cross(vertex.normal, u);
-  const glm::vec3 along = u * static_cast<float>(uv_from_x[0][0]) + v * static_cast<float>(uv_from_x[0][1]);
-  const float sign = glm::determinant(uv_from_x) < 0 ? -1.0f : 1.0f;
-  return {glm::normalize(along), vertex.tangent.w * sign};
+SceneMaterial materialOf(const Scene& scene, const Instance& instance) {
+  return instance.material >= 0 ? scene.materials[instance.material] : SceneMaterial{};
 }
 
-std::vector<GpuVertex> gpuVertices(const Mesh& mesh, const FlatBtfBinding& binding) {
-  const glm::dmat2 x_from_uv = xFromUv(binding), uv_from_x = glm::inverse(x_from_uv);
-  glm::dvec2 centre(0);
-  for (const Vertex& vertex : mesh.vertices) centre += glm::dvec2(vertex.uv) / double(mesh.vertices.size());
-  const glm::dvec2 offset = glm::floor(x_from_uv * centre);
-  std::vector<GpuVertex> vertices;
-  vertices.reserve(mesh.vertices.size());
-  for (const Vertex& vertex : mesh.vertices)
-    vertices.push_back({vertex.position, vertex.normal, tangentAlongX(vertex, uv_from_x),
-                        glm::vec2(x_from_uv * glm::dvec2(vertex.uv) - offset)});
-  return vertices;
+Object makeObject(const Scene& scene, const Instance& instance) {
+  const SceneMaterial material = materialOf(scene, instance);
+  Object object;
+  object.mesh = instance.mesh;
+  object.bounds = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
+  object.mirrored = glm::determinant(glm::mat3(instance.world_from_local)) < 0;
+  object.double_sided = material.double_sided;
+  if (!material.flat_btf) return object;
+  object.asset = material.flat_btf->asset;
+  object.periods_per_metre = uvDensity(scene.meshes[instance.mesh], *material.flat_btf, instance.world_from_local);
+  return object;
 }
 
-void addAttribute(GLuint array, GLuint location, int components, size_t offset) {
-  glEnableVertexArrayAttrib(array, location);
-  glVertexArrayAttribFormat(array, location, components, GL_FLOAT, GL_FALSE, GLuint(offset));
-  glVertexArrayAttribBinding(array, location, 0);
+// A mesh has one material, so that its vertices can carry tile coordinates.
+std::vector<GpuMesh> uploadMeshes(const Scene& scene) {
+  std::vector<FlatBtfBinding> bindings(scene.meshes.size());
+  for (const Instance& instance : scene.instances)
+    bindings[instance.mesh] = materialOf(scene, instance).flat_btf.value_or(FlatBtfBinding{});
+  std::vector<GpuMesh> meshes;
+  for (size_t i = 0; i < scene.meshes.size(); ++i) meshes.push_back(uploadMesh(scene.meshes[i], bindings[i]));
+  return meshes;
+}
+
+void addLights(const Scene& scene, const Device& device, GpuScene& gpu) {
+  for (const Light& light : scene.lights) {
+    if (light.kind != LightKind::kSun) gpu.lights.push_back(light);
+    else if (!gpu.sun) gpu.sun = light;
+  }
+  if (gpu.sun) gpu.sun_view = sunView(gpu.bounds, gpu.sun->direction, ShadowMap::kSide);
+  if (gpu.lights.size() <= SCENE_MAX_LIGHTS) return;
+  device.log({issue_id::kGltfNode, Severity::kWarning, scene.name,
+              "more than " + std::to_string(SCENE_MAX_LIGHTS) + " lights: the rest is left out"});
+  gpu.lights.resize(SCENE_MAX_LIGHTS);
+}
+
+// The most light that a lamp can send to any point of the box; 0 where it does not reach.
+float mostLight(const Light& light, const Bounds& box) {
+  const float distance = glm::distance(glm::clamp(light.position, box.min, box.max), light.position);
+  if (light.range > 0 && distance >= light.range) return 0;
+  const float near = std::max(distance, 0.1f);
+  return (light.intensity.x + light.intensity.y + light.intensity.z) / (near * near);
+}
+
+// The indices of the lights that can be strongest at an object, at most SCENE_MAX_OBJECT_LIGHTS.
+void chooseLights(const std::vector<Light>& lights, const Bounds& box, SceneObject& data) {
+  std::vector<std::pair<float, int>> reaching;
+  for (size_t i = 0; i < lights.size(); ++i)
+    if (const float most = mostLight(lights[i], box); most > 0) reaching.emplace_back(-most, static_cast<int>(i));
+  std::sort(reaching.begin(), reaching.end());
+  data.flags.y = static_cast<int>(std::min<size_t>(reaching.size(), SCENE_MAX_OBJECT_LIGHTS));
+  for (int k = 0; k < data.flags.y; ++k) data.lights[k / 4][k % 4] = reaching[k].second;
+}
+
+SceneObject objectData(const Object& object, const SceneMaterial& material, const glm::mat4& world_from_local) {
+  SceneObject data{};
+  data.world_from_local = world_from_local;
+  data.normal_from_local = glm::mat4(glm::transpose(glm::inverse(glm::mat3(world_from_local))));
+  data.base_color_metallic = glm::vec4(glm::vec3(material.base_color), material.metallic);
+  data.emissive_roughness = glm::vec4(material.emissive, material.roughness);
+  data.tile = glm::vec4(1 / object.periods_per_metre, 0, 0, 0);
+  data.flags = {object.double_sided ? SCENE_DOUBLE_SIDED : 0, 0, object.mirrored ? -1 : 1, 0};
+  return data;
+}
+
+void uploadObjects(const Scene& scene, GpuScene& gpu) {
+  GLint alignment = 256;
+  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  gpu.object_stride = (sizeof(SceneObject) + alignment - 1) / alignment * alignment;
+  std::vector<std::byte> all(std::max<size_t>(gpu.objects.size(), 1) * gpu.object_stride);
+  for (size_t i = 0; i < gpu.objects.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    SceneObject data = objectData(gpu.objects[i], materialOf(scene, instance), instance.world_from_local);
+    chooseLights(gpu.lights, gpu.objects[i].bounds, data);
+    std::memcpy(all.data() + i * gpu.object_stride, &data, sizeof data);
+  }
+  gpu.object_uniforms = makeBuffer(all.size(), all, 0, "object uniforms");
 }
 
 }  // namespace
 
-GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding) {
-  const std::vector<GpuVertex> vertices = gpuVertices(mesh, binding);
-  const auto vertex_bytes = std::as_bytes(std::span(vertices));
-  const auto index_bytes = std::as_bytes(std::span(mesh.indices));
-  GpuMesh gpu;
-  gpu.index_count = static_cast<int>(mesh.indices.size());
-  gpu.vertices = makeBuffer(vertex_bytes.size(), vertex_bytes, 0, mesh.name + " vertices");
-  gpu.indices = makeBuffer(index_bytes.size(), index_bytes, 0, mesh.name + " indices");
-  gpu.array = makeVertexArray(mesh.name);
-  const GLuint array = gpu.array.name();
-  glVertexArrayVertexBuffer(array, 0, gpu.vertices.name(), 0, sizeof(GpuVertex));
-  glVertexArrayElementBuffer(array, gpu.indices.name());
-  addAttribute(array, 0, 3, offsetof(GpuVertex, position));
-  addAttribute(array, 1, 3, offsetof(GpuVertex, normal));
-  addAttribute(array, 2, 4, offsetof(GpuVertex, tangent));
-  addAttribute(array, 3, 2, offsetof(GpuVertex, x));
+Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials) {
+  GpuScene gpu;
+  auto assets = loadAssets(scene, materials);
+  if (!assets) return assets.issue();
+  gpu.assets = std::move(assets.value());
+  for (const Instance& instance : scene.instances) {
+    gpu.objects.push_back(makeObject(scene, instance));
+    const Bounds& box = gpu.objects.back().bounds;
+    gpu.bounds = gpu.objects.size() == 1 ? box : Bounds{glm::min(gpu.bounds.min, box.min), glm::max(gpu.bounds.max, box.max)};
+  }
+  gpu.meshes = uploadMeshes(scene);
+  addLights(scene, device, gpu);
+  uploadObjects(scene, gpu);
   return gpu;
 }
 

@@ -37,6 +37,7 @@ struct ProgramRow {
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", "", true, false, false},
     {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "", true, true, true},
+    {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "SCENE_PARALLAX_DEPTH 1", false, true, true},
 };
 
 // A row by name; null if there is none.

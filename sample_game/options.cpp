@@ -65,6 +65,7 @@ void addRuntime(CLI::App& app, Options& options) {
       ->transform(CLI::CheckedTransformer(kModes));
   app.add_option("--lambda", options.lambda, "Level of detail everywhere, instead of the footprint's")
       ->check(CLI::Range(0.0, 32.0));
+  app.add_flag("--parallax-depth", options.parallax_depth, "Depth, shadows and lamps at the displaced surface");
   app.add_flag("--stream", options.stream, "Headless: draw what is resident instead of waiting for all of it");
   app.add_option("--shader-cache", options.shader_cache, "Folder for compiled programs");
 }
@@ -86,7 +87,7 @@ const char* modeName(Mode mode) {
 
 ParsedOptions parseOptions(int argc, char** argv) {
   ParsedOptions parsed;
-  for (int i = 0; i < argc; ++i) parsed.options.command += (i > 0 ? " " : "") + std::string(argv[i]);
+  for (int i = 0; i < argc; ++i) (parsed.options.command += i > 0 ? " " : "") += argv[i];
   std::string size, light;
   CLI::App app("loden_walk: walks through a glTF scene with Loden materials", "loden_walk");
   addInput(app, parsed.options, light);

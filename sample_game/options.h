@@ -32,6 +32,7 @@ struct Options {
   double budget_mb = 64, upload_kb = 1024;
   Mode mode = Mode::kFull;
   std::optional<float> lambda;
+  bool parallax_depth = false;
   bool stream = false;            // headless: do not wait for the loading thread
   bool quiet = false;
   std::string command;            // as typed, for the report

@@ -89,6 +89,7 @@ MaterialSystemOptions materialOptions(const Options& options) {
 FrameSettings frameSettings(const Options& options) {
   FrameSettings settings;
   settings.lambda = options.lambda;
+  settings.parallax_depth = options.parallax_depth;
   if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;
   settings.base_materials_only = options.mode == Mode::kFallback;
   settings.exposure = 0.8f;

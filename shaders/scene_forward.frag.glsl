@@ -10,6 +10,9 @@ layout(location = 2) in vec4 tangent_ws;
 layout(location = 3) in vec2 tile_x;
 
 layout(location = 0) out vec4 color;
+#ifdef SCENE_PARALLAX_DEPTH
+layout(depth_greater) out float gl_FragDepth;  // the tile lies below its reference plane
+#endif
 
 // Tangent frame of the reference plane: columns along growing x.x, along growing x.y, and the normal, which
 // faces the viewer. Left-handed where UVs are mirrored, so that the material is mirrored as a whole.
@@ -40,6 +43,18 @@ vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
   return normalize(wo);
 }
 
+// Where the view ray meets the tile, depth z (tile periods, <= 0) below the plane.
+vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) {
+#ifdef SCENE_PARALLAX_DEPTH
+  vec3 position = position_ws + wo_ws * (z * object.tile.x / wo.z);
+  vec4 clip = scene.clip_from_world * vec4(position, 1.0);
+  gl_FragDepth = clamp(0.5 + 0.5 * clip.z / clip.w, 0.0, 1.0);
+  return position;
+#else
+  return position_ws;
+#endif
+}
+
 void main() {
   vec2 dx = dFdx(tile_x), dy = dFdy(tile_x);
   mat3 frame = tangentFrame();
@@ -47,17 +62,19 @@ void main() {
   vec3 wo = viewInFrame(frame, wo_ws);
   SurfacePoint point = surfacePoint(tile_x, dx, dy, wo);
 
+  vec3 position = displacedPosition(wo_ws, wo, surfaceDepth(point));
+
   vec3 radiance = object.emissive_roughness.rgb;
   if ((scene.flags.x & SCENE_SUN) != 0) {
     vec3 wi = scene.sun_direction.xyz * frame;
     if (wi.z > 0.0) {
-      float visible = sceneSunVisibility(position_ws, frame[2]);
+      float visible = sceneSunVisibility(position, frame[2]);
       if (visible > 0.0) radiance += scene.sun_irradiance.rgb * visible * surfaceRadiance(point, wi, wo);
     }
   }
   for (int k = 0; k < object.flags.y; ++k) {
     vec3 irradiance;
-    vec3 wi = sceneLight(object.lights[k >> 2][k & 3], position_ws, irradiance) * frame;
+    vec3 wi = sceneLight(object.lights[k >> 2][k & 3], position, irradiance) * frame;
     if (wi.z > 0.0 && irradiance.r + irradiance.g + irradiance.b > 1e-4)
       radiance += irradiance * surfaceRadiance(point, wi, wo);
   }

@@ -53,6 +53,7 @@ struct SceneObject {
   mat4 normal_from_local;     // inverse transpose of its upper 3 x 3
   vec4 base_color_metallic;   // of the fallback
   vec4 emissive_roughness;
+  vec4 tile;                  // metres per tile period, unused x 3
   ivec4 flags;                // bits, number of lights, 1 or -1 if the transform mirrors, unused
   ivec4 lights[2];            // indices into SceneFrame.lights
 };
@@ -60,7 +61,7 @@ struct SceneObject {
 #ifdef __cplusplus
 static_assert(sizeof(SceneLight) == 64);
 static_assert(sizeof(SceneFrame) == 2 * 64 + 7 * 16 + SCENE_MAX_LIGHTS * sizeof(SceneLight));
-static_assert(sizeof(SceneObject) == 2 * 64 + 5 * 16);
+static_assert(sizeof(SceneObject) == 2 * 64 + 6 * 16);
 static_assert(SCENE_MAX_OBJECT_LIGHTS == 8);
 }  // namespace loden::runtime
 #endif

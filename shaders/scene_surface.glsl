@@ -25,6 +25,9 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
   return point;
 }
 
+// z of the hit below the mesh, tile periods.
+float surfaceDepth(SurfacePoint point) { return point.hit.depth; }
+
 // Per unit irradiance; not negative, which a fit may be where it undershoots.
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   return max(loden_evaluate(point.material, point.hit, wi, wo), 0.0) * loden_material.surface.z;
@@ -51,6 +54,8 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
   float roughness = max(object.emissive_roughness.a, 0.05);
   return SurfacePoint(base * (1.0 - metallic), mix(vec3(0.04), base, metallic), roughness * roughness);
 }
+
+float surfaceDepth(SurfacePoint point) { return 0.0; }
 
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);

@@ -10,6 +10,7 @@
 
 #include "importer/bake_folder.h"
 #include "importer/bake_scene.h"
+#include "importer/parameterize.h"
 #include "importer/progress.h"
 #include "material/issues.h"
 
@@ -49,6 +50,9 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   if (o.maps.vdim) m.vdims = o.vdims;
   m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
   m.identity_parameterization = tile.identity_parameterization;
+  const ParameterizationQuality quality = measureParameterization(tile.positions, tile.params, tile.triangles);
+  m.flipped_triangles = quality.flipped;
+  m.area_cv = quality.area_cv, m.area_p5 = quality.area_p5, m.area_p95 = quality.area_p95;
   return m;
 }
 

@@ -68,6 +68,7 @@ std::string manifestText(const BakeManifest& m) {
   for (const glm::ivec2& size : m.vdims) json["vdims"].push_back({size.x, size.y});
   json["maps"] = {{"btf", m.has_btf}, {"flat", m.has_flat}, {"vdim", m.has_vdim}, {"surface", m.has_surface}};
   json["identity_parameterization"] = m.identity_parameterization;
+  json["parameterization"] = {{"flipped_triangles", m.flipped_triangles}, {"area_cv", m.area_cv}, {"area_p5", m.area_p5}, {"area_p95", m.area_p95}};
   return json.dump(2) + "\n";
 }
 
@@ -94,6 +95,11 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     m.has_btf = maps.at("btf").get<bool>(), m.has_flat = maps.at("flat").get<bool>();
     m.has_vdim = maps.at("vdim").get<bool>(), m.has_surface = maps.at("surface").get<bool>();
     m.identity_parameterization = json.at("identity_parameterization").get<bool>();
+    if (const auto quality = json.find("parameterization"); quality != json.end()) {  // other tools may not know
+      m.flipped_triangles = quality->at("flipped_triangles").get<int>();
+      m.area_cv = quality->at("area_cv").get<double>();
+      m.area_p5 = quality->at("area_p5").get<double>(), m.area_p95 = quality->at("area_p95").get<double>();
+    }
     return m;
   } catch (const nlohmann::json::exception& error) {
     return refuse(std::string("not a bake manifest: ") + error.what());

@@ -38,6 +38,10 @@ struct BakeManifest {
   std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
   bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;
   bool identity_parameterization = false;
+  // Of the tile's parameterization: triangles that lie the wrong way round in p, and surface area per parameter
+  // area relative to its mean (coefficient of variation, percentiles over p).
+  int flipped_triangles = 0;
+  double area_cv = 0, area_p5 = 1, area_p95 = 1;
 };
 
 // A finished baked output, read view by view (a 256 x 256 one does not fit in memory at once).

@@ -1,9 +1,12 @@
 #include "importer/tile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "importer/tile_internal.h"
+#include "importer/weld.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -39,11 +42,33 @@ Status checkIndices(const Tile& tile, const std::string& where) {
   return {};
 }
 
+// Without triangles that have no area or repeat an earlier one: they hold no surface, and no normal.
+void dropEmptyTriangles(Tile& tile) {
+  const auto same = weldVertices(tile.positions, glm::dvec3(0), 1e-9);
+  std::set<std::array<uint32_t, 3>> seen;
+  size_t kept = 0;
+  for (size_t t = 0; t < tile.triangles.size(); ++t) {
+    const glm::uvec3& v = tile.triangles[t];
+    const glm::dvec3 a = tile.positions[v.x], b = tile.positions[v.y], c = tile.positions[v.z];
+    if (glm::length(glm::cross(b - a, c - a)) < 1e-16) continue;
+    std::array<uint32_t, 3> corners{same[v.x], same[v.y], same[v.z]};
+    std::sort(corners.begin(), corners.end());
+    if (!seen.insert(corners).second) continue;
+    tile.charts[kept] = tile.charts[t];
+    tile.triangles[kept++] = v;
+  }
+  tile.triangles.resize(kept);
+  tile.charts.resize(kept);
+}
+
 }  // namespace
 
 Result<Tile> finishTile(Tile tile, const std::string& where) {
   if (const Status status = checkFinite(tile, where); !status) return status.issue();
   if (const Status status = checkIndices(tile, where); !status) return status.issue();
+  dropEmptyTriangles(tile);
+  if (tile.triangles.empty())
+    return Issue{issue_id::kTileGeometry, Severity::kError, where, "all triangles are degenerate: their corners lie on lines"};
   double top = tile.positions[tile.triangles[0].x].z;
   for (const glm::uvec3& t : tile.triangles)
     for (int k = 0; k < 3; ++k) top = std::max(top, tile.positions[t[k]].z);

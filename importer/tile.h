@@ -37,7 +37,8 @@ struct TileOptions {
 };
 
 // TILE of the command line: "builtin:button|isba|pulli|sponge" or a .gltf/.glb/.obj file of one period whose
-// TEXCOORD_0 is the parameterization. The tile comes back scaled to period 1 with its top at z = 0.
+// TEXCOORD_0 is the parameterization; a connected tile without gets one (importer/parameterize.h). The tile comes
+// back scaled to period 1 with its top at z = 0.
 Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& options = {});
 
 // Procedural analogues of FBTF figure 1; `resolution` vertices per side of the deformed grid.

@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "importer/parameterize.h"
 #include "importer/tile_internal.h"
 #include "importer/weld.h"
 #include "material/issues.h"
@@ -97,6 +98,19 @@ std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh) {
   return triangles;
 }
 
+// Texture coordinates for a mesh without any, as the file would have had them.
+Status makeUvs(PolygonMesh& mesh, const std::string& where) {
+  const auto triangles = triangulate(mesh);
+  const auto period = findPeriod(mesh.positions, triangles, where);
+  if (!period) return period.issue();
+  std::vector<glm::dvec3> positions;
+  for (const glm::dvec3& p : mesh.positions) positions.push_back(p / glm::dvec3(*period, period->x));
+  auto made = parameterizeTorus(positions, triangles, where);
+  if (!made) return made.issue();
+  mesh.uvs = std::move(made->params);
+  return {};
+}
+
 // Area-weighted over the triangles around each point of the periodic surface, for vertices that have none.
 void completeNormals(Tile& tile) {
   const auto same = weldVertices(tile.positions, {1, 1, 0}, 1e-6);
@@ -163,7 +177,7 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
   if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "no faces; a tile needs a surface");
   if (const Status status = checkFinite(*mesh, where); !status) return status.issue();
   if (mesh->uvs.empty())
-    return refuse(issue_id::kTileUv, where, "no texture coordinates (TEXCOORD_0): unwrap the tile so that they run from 0 to 1 over one period");
+    if (const Status status = makeUvs(*mesh, where); !status) return status.issue();
   const auto lattice = findLattice(*mesh, where);
   if (!lattice) return lattice.issue();
   applyLattice(*lattice, *mesh);

@@ -8,8 +8,8 @@
 
 namespace loden::importer {
 
-// The tile with period 1 and its top at z = 0; refuses non-finite values (with count and first index), indices
-// out of range, and fewer triangles than a surface needs. `where` names the tile in messages.
+// The tile with its top at z = 0, without degenerate and duplicate triangles; refuses non-finite values (with
+// count and first index), indices out of range, and tiles without surface. `where` names the tile in messages.
 Result<Tile> finishTile(Tile tile, const std::string& where);
 
 // A polygon mesh before it is a tile: what files hold and what subdivision refines. Uv 0 per vertex: vertices

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "importer/parameterize.h"
 #include "importer/weld.h"
 #include "importer_meshes.h"
 #include "material/issues.h"
@@ -130,12 +131,68 @@ TEST(TileObj, RefusesWhatIsNoTile) {
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 2 3\n")), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 1\n")), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", "mtllib ../m.mtl\n")), issue_id::kGltfPath);
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, kFlat, nullptr))), issue_id::kTileUv);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, nullptr))), issue_id::kTileUv);
   // Borders that do not match, a rotated parameterization, a period that is not square, the wrong side up.
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, kFlat, [](glm::dvec2 q) { return 0.9 * q; }))), issue_id::kTileUv);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x + 0.3 * q.y, q.y - 0.3 * q.x, 0); }, kSame))), issue_id::kTileUv);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x, 2 * q.y, 0); }, kSame))), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(1 - q.x, q.y, 0); }, kSame))), issue_id::kTileGeometry);
+}
+
+TEST(TileObj, GetsAParameterizationIfItHasNone) {
+  const TemporaryFolder folder;
+  // An overhanging wave on a grid of period 3, its borders cut along a curve.
+  const auto wave = [](glm::dvec2 q) {
+    const double angle = 4 * kPi * q.x;
+    return 3.0 * glm::dvec3(q.x + 0.06 * std::sin(2 * angle) + 0.05 * std::sin(2 * kPi * q.y), q.y, 0.1 * std::cos(angle));
+  };
+  const auto tile = loadTile(folder.write("t.obj", objGrid(48, wave, nullptr)).string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
+  EXPECT_FALSE(tile->identity_parameterization);
+  const auto quality = measureParameterization(tile->positions, tile->params, tile->triangles);
+  EXPECT_EQ(quality.flipped, 0);
+  EXPECT_LT(quality.area_cv, 0.1);
+  const auto same = weldVertices(tile->positions, {1, 1, 0}, 1e-6);
+  for (size_t v = 0; v < same.size(); ++v) {  // P(p + n) = P(p) + n
+    const glm::dvec2 n(tile->positions[v] - tile->positions[same[v]]);
+    EXPECT_LT(glm::distance(tile->params[v] - tile->params[same[v]], n), 1e-6);
+  }
+}
+
+TEST(TileObj, DropsDegenerateAndDuplicateTriangles) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("t.obj", objGrid(4, kFlat, kSame) + "f 1/1 2/2 7/7\nf 1/1 1/1 2/2\nf 1/1 2/2 3/3\n");
+  const auto tile = loadTile(path.string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  EXPECT_EQ(tile->triangles.size(), 32u);
+}
+
+class Parameterization : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, Parameterization, ::testing::ValuesIn(builtinTileNames()), [](const auto& tile) { return tile.param; });
+
+TEST_P(Parameterization, IsBijectiveAndEven) {
+  const Tile tile = *builtinTile(GetParam(), 64);
+  const auto made = parameterizeTorus(tile.positions, tile.triangles, "test");
+  ASSERT_TRUE(made.ok()) << made.issue().text;
+  EXPECT_EQ(made->quality.flipped, 0);
+  EXPECT_LT(made->quality.area_cv, 0.15);
+  EXPECT_GT(made->quality.area_p5, 0.75);
+  EXPECT_LT(made->quality.area_p95, 1.3);
+}
+
+TEST(ParameterizeTorus, RefusesWhatIsNoTorus) {
+  const Tile tile = *builtinTile("sponge", 16);
+  const auto refusalOf = [&](const std::function<void(std::vector<glm::uvec3>&)>& change) {
+    auto triangles = tile.triangles;
+    change(triangles);
+    const auto made = parameterizeTorus(tile.positions, triangles, "test");
+    return made.ok() ? std::string() : made.issue().where + ": " + made.issue().text;
+  };
+  EXPECT_EQ(refusalOf([](auto&) {}), "");
+  EXPECT_NE(refusalOf([](auto& t) { t.pop_back(); }).find("open"), std::string::npos);
+  EXPECT_NE(refusalOf([](auto& t) { t.push_back(t[7]); }).find("triangle 512"), std::string::npos);
+  EXPECT_NE(refusalOf([](auto& t) { std::swap(t[5].x, t[5].y); }).find("opposite"), std::string::npos);
+  EXPECT_NE(refusalOf([](auto& t) { t[3].y = t[3].x; }).find("triangle 3"), std::string::npos);
 }
 
 TEST(TileObj, NamesCountAndFirstOfNonFiniteVertices) {

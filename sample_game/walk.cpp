@@ -39,6 +39,14 @@ int fail(const Issue& issue) {
   return exitCodeOf(issue);
 }
 
+// Pictures are complete, if coarser, where a part of an asset could not be read: say so.
+int failIfDamaged(const World& world) {
+  const uint64_t failed = world.materials->stats().failed_parts;
+  if (failed == 0) return 0;
+  return fail({issue_id::kTruncated, Severity::kError, "materials",
+               std::to_string(failed) + " parts of the assets are damaged or missing and coarser ones were drawn: see loden validate"});
+}
+
 // One line on a terminal, rewritten in place.
 void showProgress(const Options& options, int frame, int frames) {
   if (options.quiet || !isatty(STDERR_FILENO)) return;
@@ -83,7 +91,7 @@ int walkHeadless(const Options& options, World& world, Clock::time_point start) 
   if (interrupted) return kExitInterrupted;
   recorder.report().shaders = world.shaders->stats();
   if (Status status = recorder.finish(); !status) return fail(status.issue());
-  return 0;
+  return failIfDamaged(world);
 }
 
 int walkInWindow(const Options& options, World& world, Clock::time_point start) {
@@ -106,7 +114,7 @@ int walkInWindow(const Options& options, World& world, Clock::time_point start) 
   if (interrupted) return kExitInterrupted;
   recorder.report().shaders = world.shaders->stats();
   if (Status status = recorder.finish(); !status) return fail(status.issue());
-  return 0;
+  return failIfDamaged(world);
 }
 
 }  // namespace

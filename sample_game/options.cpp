@@ -56,6 +56,10 @@ void addOutput(CLI::App& app, Options& options, std::string& size) {
   app.add_option("--contact-sheet", options.contact_sheet, "One PNG with frames from the whole walk");
   app.add_option("--report", options.report, "Times, bytes and counts per frame (JSON)");
   app.add_flag("-q,--quiet", options.quiet, "No progress");
+  auto* doctor = app.add_flag("--doctor", options.doctor, "Only tell what OpenGL offers here and what it lacks");
+  app.add_option("--format", options.json, "Of --doctor: text or json")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"text", false}, {"json", true}}))
+      ->needs(doctor);
 }
 
 void addRuntime(CLI::App& app, Options& options) {
@@ -72,6 +76,7 @@ void addRuntime(CLI::App& app, Options& options) {
 
 // What CLI11 cannot express; empty if all is well.
 std::string contradiction(const Options& options) {
+  if (options.doctor) return {};
   if (options.scene.empty() == options.asset.empty()) return "name either a scene or --asset";
   if (!options.camera.empty() && !options.script.empty()) return "--camera and --script exclude each other";
   return {};

@@ -35,6 +35,8 @@ struct Options {
   bool parallax_depth = false;
   bool stream = false;            // headless: do not wait for the loading thread
   bool quiet = false;
+  bool doctor = false;            // only tell what OpenGL offers
+  bool json = false;              // ... as JSON
   std::string command;            // as typed, for the report
 };
 const char* modeName(Mode mode);

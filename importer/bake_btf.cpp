@@ -24,22 +24,24 @@ class BtfBlock {
  private:
   struct Sample {
     glm::ivec2 texel;
-    glm::vec3 diffuse;
+    glm::vec3 normal, diffuse;
   };
   void add(glm::ivec2 texel, const TileHit& hit, uint64_t seed);
+  void traceShadows();
 
   const BakeScene& scene_;
   const LightTable& lights_;
   const glm::dvec3 wo_;
-  std::vector<Sample> samples_;
+  std::vector<Sample> samples_;          // texel by texel
   std::vector<glm::vec3> origins_;       // [sample]
   std::vector<float> cosines_, lobes_;   // [sample][light]
+  std::vector<float> lit_;               // [sample][light], 0 or 1
   std::vector<glm::vec3> indirect_;      // [sample][light], empty without bounces
 };
 
 void BtfBlock::add(glm::ivec2 texel, const TileHit& hit, uint64_t seed) {
   const size_t row = samples_.size() * lights_.size();
-  samples_.push_back({texel, hit.brdf.diffuse});
+  samples_.push_back({texel, glm::vec3(hit.normal), hit.brdf.diffuse});
   origins_.emplace_back(hit.ray_origin);
   cosines_.resize(row + lights_.size());
   lobes_.resize(row + lights_.size());
@@ -66,24 +68,44 @@ void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
   scene_.counters.misses += misses;
 }
 
-void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) {
+void BtfBlock::traceShadows() {
   const size_t count = samples_.size(), lights = lights_.size();
-  const float share = 1.0f / float(scene_.manifest.supersample * scene_.manifest.supersample);
+  lit_.resize(count * lights);
   std::vector<uint8_t> wanted(count), blocked(count);
   uint64_t rays = 0;
   for (size_t l = 0; l < lights; ++l) {
-    for (size_t s = 0; s < count; ++s) rays += wanted[s] = cosines_[s * lights + l] > 0;
-    scene_.tracer.occluded(origins_, wanted, {lights_.x[l], lights_.y[l], lights_.z[l]}, blocked);
-    for (size_t s = 0; s < count; ++s) {
-      const Sample& sample = samples_[s];
-      glm::vec3 value(0);
-      if (!blocked[s]) value = sample.diffuse * cosines_[s * lights + l] + lobes_[s * lights + l];
-      if (!indirect_.empty()) value += indirect_[s * lights + l];
-      float* pixel = &atlas.pixels[3 * layout.pixel(int(l), sample.texel.x, sample.texel.y)];
-      for (int c = 0; c < 3; ++c) pixel[c] += share * value[c];
-    }
+    const glm::vec3 wi(lights_.x[l], lights_.y[l], lights_.z[l]);
+    for (size_t s = 0; s < count; ++s) rays += wanted[s] = glm::dot(samples_[s].normal, wi) > 0;
+    scene_.tracer.occluded(origins_, wanted, wi, blocked);
+    for (size_t s = 0; s < count; ++s) lit_[s * lights + l] = blocked[s] ? 0.0f : 1.0f;
   }
   scene_.counters.rays += rays;
+}
+
+void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) {
+  traceShadows();
+  const size_t lights = lights_.size();
+  const float share = 1.0f / float(scene_.manifest.supersample * scene_.manifest.supersample);
+  std::vector<float> sum(3 * lights);  // [channel][light] of one texel
+  for (size_t first = 0, last = 0; first < samples_.size(); first = last) {
+    std::fill(sum.begin(), sum.end(), 0.0f);
+    for (; last < samples_.size() && samples_[last].texel == samples_[first].texel; ++last) {
+      const float *cosine = &cosines_[last * lights], *lobe = &lobes_[last * lights], *lit = &lit_[last * lights];
+      for (int c = 0; c < 3; ++c) {
+        float* const channel = &sum[size_t(c) * lights];
+        const float diffuse = samples_[last].diffuse[c];
+        for (size_t l = 0; l < lights; ++l) channel[l] += lit[l] * (diffuse * cosine[l] + lobe[l]);
+      }
+      if (indirect_.empty()) continue;
+      for (size_t l = 0; l < lights; ++l)
+        for (int c = 0; c < 3; ++c) sum[size_t(c) * lights + l] += indirect_[last * lights + l][c];
+    }
+    const glm::ivec2 texel = samples_[first].texel;
+    for (size_t l = 0; l < lights; ++l) {
+      float* const pixel = &atlas.pixels[3 * layout.pixel(int(l), texel.x, texel.y)];
+      for (size_t c = 0; c < 3; ++c) pixel[c] = share * sum[c * lights + l];
+    }
+  }
 }
 
 }  // namespace

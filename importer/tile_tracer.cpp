@@ -247,6 +247,7 @@ void TileTracer::Impl::blockedPacket(const glm::vec3* origins, const size_t* ind
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;  // one direction, neighbouring origins
   rtcOccluded8(valid, scene, &context, &rays);
   for (int k = 0; k < lanes; ++k) blocked[index[k]] = rays.tfar[k] < 0;
 }

@@ -114,16 +114,15 @@ bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ra
          std::max(residual.x, residual.y) * side <= T(kResidual);
 }
 
-// Newton's search from the point of the ray at height z.
+// Newton's search from p, the parameter near the point of the ray at height z. On success hit has p, position
+// and converged; else they stay as they were.
 template <class T>
-void searchFrom(const GeometryImage& image, const VdimAtlas& atlas, const ViewRay<T>& ray, T z, int patches,
+void searchFrom(const GeometryImage& image, const ViewRay<T>& ray, T z, glm::vec<2, T> p, int patches,
                 VdimHit<T>& hit) {
   using V2 = glm::vec<2, T>;
   const T n = T(image.side());
   const V2 point = ray.x + ray.slope * z;
-  V2 p = parameterNear(atlas, point, z);
-  hit.fetches += atlas.volume.empty() ? 0 : 1;
-  int visited = 0;
+  int left = patches;
   do {
     const V2 texel = p * n - T(0.5), base = glm::floor(texel);
     V2 ab = texel - base;
@@ -132,11 +131,15 @@ void searchFrom(const GeometryImage& image, const VdimAtlas& atlas, const ViewRa
     hit.fetches += image.identity_parameterization ? 1 : 2;
     const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
     T hit_z = z;
-    hit.converged = meetPatch(patch, shift, ray, n, ab, hit_z) && patch.chart != 0;
+    const bool converged = meetPatch(patch, shift, ray, n, ab, hit_z) && patch.chart != 0;
     p = (base + ab + T(0.5)) / n;
-    hit.p = p + shift;
-    hit.position = glm::vec<3, T>(ray.x + ray.slope * hit_z, hit_z);
-  } while (!hit.converged && ++visited < patches);
+    if (converged) {
+      hit.p = p + shift;
+      hit.position = glm::vec<3, T>(ray.x + ray.slope * hit_z, hit_z);
+      hit.converged = true;
+    }
+    left = converged ? 0 : left - 1;
+  } while (left > 0);
 }
 
 // Highest entry below a height; far below the tile if there is none.
@@ -181,15 +184,20 @@ VdimHit<T> vdimLookup(const GeometryImage& image, const VdimAtlas& atlas, VdimTi
   const T top = std::max(highestBelow(own, T(1)), highestBelow(next, T(1)));
   const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
   T z = clusterMean(own, next, top - T(kCluster) * range, f, layers.next_weight);
+  // Where searches that fail end up means nothing; the blended depth is near.
+  hit.p = parameterNear(atlas, ray.x + ray.slope * z, z);
+  hit.position = glm::vec<3, T>(ray.x + ray.slope * z, z);
+  const int volume_fetches = atlas.volume.empty() ? 0 : 1;
+  hit.fetches += volume_fetches;
+  searchFrom(image, ray, z, hit.p, limits.patches, hit);
   T below = T(1);
-  int tried = 0;
-  bool more = true;
-  do {
-    searchFrom(image, atlas, ray, z, limits.patches, hit);
+  for (int left = limits.candidates - 1; left > 0 && !hit.converged; --left) {
     z = std::max(highestBelow(own, below), highestBelow(next, below));
-    more = z > T(-1e8);
+    if (z < T(-1e8)) break;
     below = z - T(kSeparation) * range;
-  } while (more && !hit.converged && ++tried < limits.candidates);
+    hit.fetches += volume_fetches;
+    searchFrom(image, ray, z, parameterNear(atlas, ray.x + ray.slope * z, z), limits.patches, hit);
+  }
   const glm::vec<2, T> base = glm::floor(x);
   hit.p += base;
   hit.position += glm::vec<3, T>(base, 0);

@@ -2,7 +2,6 @@
 // Default: 2 gathers for 8 depths, then per candidate 1 fetch (none on identity parameterizations) and 2
 // gathers (1) per patch visited. Fast: 1 gather for 4 depths, one candidate.
 
-const int LODEN_NEWTON_STEPS = 4;
 const float LODEN_REACH = 3.0;               // texels
 const float LODEN_INSIDE = 0.4;              // texels
 const float LODEN_RESIDUAL = 0.2;            // texels
@@ -102,22 +101,28 @@ LodenPatch loden_fetch_patch(vec2 base) {
 
 vec2 loden_shear(vec3 p, vec2 shift, LodenViewRay ray) { return p.xy + shift - ray.slope * p.z - ray.x; }
 
-// Newton's method on the patch as seen along the ray, Q(a, b) = P.xy - slope P.z = x.
+// One step of Newton's method on Q(a, b) = q00 + q10 a + q01 b + q11 a b = 0, kept within the bounds. Returns
+// det Q', which has the sign of N.wo.
+float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2 upper, inout vec2 ab) {
+  vec2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
+  vec2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
+  float det = qa.x * qb.y - qa.y * qb.x;
+  float inverse_ = 1.0 / (abs(det) > 1e-12 ? det : 1e-12);
+  ab = clamp(ab - vec2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse_, lower, upper);
+  return det;
+}
+
+// Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is wanted.
 bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z) {
   vec2 q00 = loden_shear(patch_.p00, shift, ray);
   vec2 q10 = loden_shear(patch_.p10, shift, ray) - q00;
   vec2 q01 = loden_shear(patch_.p01, shift, ray) - q00;
   vec2 q11 = loden_shear(patch_.p11, shift, ray) - q00 - q10 - q01;
   vec2 lower = ab - LODEN_REACH, upper = ab + LODEN_REACH;
-  float det = 0.0;
-  for (int newton = 0; newton < LODEN_NEWTON_STEPS; ++newton) {
-    vec2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
-    vec2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
-    det = qa.x * qb.y - qa.y * qb.x;
-    float inverse_ = 1.0 / (abs(det) > 1e-12 ? det : 1e-12);
-    ab -= vec2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse_;
-    ab = clamp(ab, lower, upper);
-  }
+  loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
+  loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
+  loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
+  float det = loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
   z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
   vec2 centred = abs(ab - 0.5);
   vec2 residual = abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
@@ -125,22 +130,24 @@ bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float sid
          max(residual.x, residual.y) * side <= LODEN_RESIDUAL;
 }
 
-void loden_search_from(LodenViewRay ray, float z, int patches, inout LodenVdimHit hit) {
+// Newton's search from p, the parameter near the point of the ray at height z. found = (p, z, 1) if it
+// converged, else as it was. What leaves the loop is carried through every iteration on purpose: llvmpipe
+// (Mesa 22.3) hands out the last iteration's values of anything else, also to invocations that left before.
+void loden_search_from(LodenViewRay ray, float z, vec2 p, int patches, inout vec4 found) {
   float n = loden_material.geometry.w;
   vec2 point = ray.x + ray.slope * z;
-  vec2 p = loden_parameter_near(point, z);
-  int visited = 0;
+  int left = patches;
   do {
     vec2 texel = p * n - 0.5, base = floor(texel);
     vec2 ab = texel - base;
     LodenPatch patch_ = loden_fetch_patch(base);
     vec2 shift = floor(point - patch_.p00.xy + 0.5);
-    float hit_z = z;
-    hit.converged = loden_meet_patch(patch_, shift, ray, n, ab, hit_z) && patch_.exists;
+    float hit_z;
+    bool converged = loden_meet_patch(patch_, shift, ray, n, ab, hit_z) && patch_.exists;
     p = (base + ab + 0.5) / n;
-    hit.p = p + shift;
-    hit.position = vec3(ray.x + ray.slope * hit_z, hit_z);
-  } while (!hit.converged && ++visited < patches);
+    found = converged ? vec4(p + shift, hit_z, 1.0) : found;
+    left = converged ? 0 : left - 1;
+  } while (left > 0);
 }
 
 float loden_highest_below(vec4 depths, float below) {
@@ -163,34 +170,38 @@ LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
   vec4 own = loden_gather_depths(layers.own, ray.x);
 #ifdef LODEN_LOOKUP_FAST
   vec4 next = own;
-  int candidates = 1;
   int patches = (loden_material.flags.x & LODEN_IDENTITY) != 0 ? 4 : 2;
 #else
   vec4 next = loden_gather_depths(layers.next, ray.x);
   const int candidates = 8, patches = 4;
 #endif
-  LodenVdimHit hit;
-  hit.p = ray.x;
-  hit.position = vec3(ray.x, 0.0);
-  hit.converged = false;
   // First the blended depth of the topmost surface; then single entries from the one nearest to the viewer
   // down. The first search that converges wins.
   float range = loden_material.geometry.z;
   float top = max(loden_highest_below(own, 1.0), loden_highest_below(next, 1.0));
   vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
   float z = loden_cluster_mean(own, next, top - LODEN_CLUSTER * range, f, layers.next_weight);
-  float below = 1.0;
-  int tried = 0;
-  bool more = true;
-  do {
-    loden_search_from(ray, z, patches, hit);
-    z = max(loden_highest_below(own, below), loden_highest_below(next, below));
-    more = z > -1e8;
-    below = z - LODEN_SEPARATION * range;
-  } while (more && !hit.converged && ++tried < candidates);
+  // Where searches that fail end up means nothing; the blended depth is near.
+  vec4 found = vec4(loden_parameter_near(ray.x + ray.slope * z, z), z, 0.0);
+  loden_search_from(ray, z, found.xy, patches, found);
+#ifndef LODEN_LOOKUP_FAST
+  if (found.w == 0.0) {
+    float below = 1.0;
+    int left = candidates - 1;
+    do {
+      z = max(loden_highest_below(own, below), loden_highest_below(next, below));
+      below = z - LODEN_SEPARATION * range;
+      loden_search_from(ray, z, loden_parameter_near(ray.x + ray.slope * z, z), patches, found);
+      bool more = max(loden_highest_below(own, below), loden_highest_below(next, below)) > -1e8;
+      left = found.w > 0.0 || !more ? 0 : left - 1;
+    } while (left > 0);
+  }
+#endif
+  LodenVdimHit hit;
+  hit.converged = found.w > 0.0;
   vec2 base = floor(x);
-  hit.p += base;
-  hit.position.xy += base;
+  hit.p = found.xy + base;
+  hit.position = vec3(ray.x + ray.slope * found.z + base, found.z);
   return hit;
 }
 

@@ -26,9 +26,12 @@ namespace {
 constexpr int kSide = 112;  // 12,544 samples
 constexpr int kSamples = kSide * kSide;
 
-// fp32 both sides; what is left is the order of sums in filtering. Measured on llvmpipe: 2e-5 at most in
-// bands; the lookup's discontinuities (one sample in 10^5 lands on the other side) set the maximum.
+// fp32 on both sides: what is left is the order of sums in filters, 2e-5 on llvmpipe.
 constexpr double kMaxDifference = 1e-3, kMeanDifference = 1e-4;
+// The indirection jumps at silhouettes. A sample that rounding puts on the other side of a jump is at fault
+// only if the evaluator has no such value within this distance of x (tile periods), in fp32's reach.
+constexpr float kRounding = 4e-6f;
+constexpr int kMaxAtJumps = 4;  // of 12,544; measured 1
 
 constexpr const char* kVertex = R"(
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
@@ -116,25 +119,42 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   return readLinear(target);
 }
 
+double difference(const glm::vec3& value, const glm::vec4& gpu) {
+  const glm::vec3 off = glm::abs(value - glm::vec3(gpu));
+  return std::max({off.x, off.y, off.z});
+}
+
+// The smallest difference to the evaluator's values around the sample.
+double differenceNearby(const Evaluator& evaluator, const Sample& s, Lookup lookup, const glm::vec4& gpu) {
+  double smallest = 1e9;
+  for (int k = 0; k < 1024; ++k) {
+    const float angle = 0.7f * static_cast<float>(k), radius = kRounding * static_cast<float>(k + 1) / 1024;
+    const glm::vec2 x = s.x + radius * glm::vec2(std::cos(angle), std::sin(angle));
+    const glm::vec3 value = evaluator.evaluate(evaluator.findHit(x, s.lambda, s.wo, lookup), s.wi, s.wo);
+    smallest = std::min(smallest, difference(value, gpu));
+  }
+  return smallest;
+}
+
 void expectParity(const Material& material, Lookup lookup) {
   const std::vector<Sample> samples = seededSamples();
   const std::vector<glm::vec4> gpu = evaluateOnGpu(material, samples, lookup);
   ASSERT_EQ(gpu.size(), samples.size());
   const Evaluator evaluator(material);
-  double sum = 0, largest = 0;
-  int outside = 0;
+  double sum = 0;
+  int at_jumps = 0;
   for (size_t k = 0; k < samples.size(); ++k) {
     const Sample& s = samples[k];
-    const Hit<float> hit = evaluator.findHit(s.x, s.lambda, s.wo, lookup);
-    const glm::vec3 value = evaluator.evaluate(hit, s.wi, s.wo);
-    const glm::vec3 off = glm::abs(value - glm::vec3(gpu[k]));
-    const double difference = std::max({off.x, off.y, off.z});
-    ASSERT_TRUE(std::isfinite(difference)) << "sample " << k;
-    sum += difference;
-    largest = std::max(largest, difference);
-    outside += difference > kMaxDifference;
+    const glm::vec3 value = evaluator.evaluate(evaluator.findHit(s.x, s.lambda, s.wo, lookup), s.wi, s.wo);
+    const double off = difference(value, gpu[k]);
+    ASSERT_TRUE(std::isfinite(off)) << "sample " << k;
+    sum += off;
+    if (off <= kMaxDifference) continue;
+    ++at_jumps;
+    EXPECT_LE(differenceNearby(evaluator, s, lookup, gpu[k]), kMaxDifference)
+        << "sample " << k << " differs by " << off << " and no jump is near";
   }
-  EXPECT_LE(largest, kMaxDifference) << outside << " of " << kSamples << " samples";
+  EXPECT_LE(at_jumps, kMaxAtJumps);
   EXPECT_LE(sum / kSamples, kMeanDifference);
 }
 

@@ -12,7 +12,7 @@
 
 namespace loden::importer {
 
-// Documented in design.md section 4 and in `loden --help`; never renumbered.
+// Documented in `loden --help`; never renumbered.
 enum ExitCode {
   kExitOk = 0,
   kExitUsage = 1,

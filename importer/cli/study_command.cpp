@@ -26,7 +26,8 @@ class StudyCommand : public Command {
     options.path("--csv", csv_, "Write the rows as CSV to this file");
     options.path("--bakes", study_options_.bakes, "Folder of baked outputs, <tile>-<size>; baked there if missing");
     options.path("--pictures", study_options_.pictures, "Write pictures into this folder");
-    options.footer("Studies:\n" + list + "Definitions: every number is printed with what it means beside its key in design.md, section 8.");
+    options.footer("Studies:\n" + list + "Y, Cb and Cr are BT.601 of linear RGB, Lab is CIE76 under D65; 1 is white Lambert lit from above.\n"
+                   "FBTF: Flat Bidirectional Texture Functions. LBTF: Level-of-Detail Representation of BTFs.");
   }
 
   int run(const GlobalOptions& globals) override {

@@ -1,4 +1,4 @@
-// The papers' tables and ours (design.md section 8): a study turns tiles into rows of numbers.
+// The papers' tables and ours: a study turns tiles into rows of numbers.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,7 @@ struct Study {
   Result<StudyRows> (*run)(const StudyOptions& options);
 };
 
-// All studies, in the order of design.md section 8.
+// All studies, in the order of the papers.
 std::span<const Study> studies();
 const Study* findStudy(std::string_view name);
 

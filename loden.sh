@@ -190,7 +190,7 @@ verb_demo() {
       --fit-fallback -o "$packed"
     scene=$packed
   done
-  walk "$packed" --size 800x800 --frames 60
+  walk "$packed" --size 800x600 --frames 60
   say "picture: $PWD/out/demo/contact_sheet.png"
 }
 

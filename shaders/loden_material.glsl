@@ -28,6 +28,15 @@ float loden_lambda_from_footprint(vec2 dx, vec2 dy) {
   return log2(max(max(minor, 0.5 * major) * side, 1e-6));
 }
 
+// How many evaluations along a stretched footprint cover it without gaps at that lambda, 1 or 2, and the step
+// between them: tap k of n belongs at x + (k - (n - 1) / 2) step. One alone leaves regular tiles to beat with the
+// pixels in grazing views.
+int loden_footprint_taps(vec2 dx, vec2 dy, out vec2 step_) {
+  float xx = dot(dx, dx), yy = dot(dy, dy);
+  step_ = 0.5 * (xx > yy ? dx : dy);
+  return max(xx, yy) > 2.25 * min(xx, yy) ? 2 : 1;
+}
+
 // LBTF 3.4, step 2; distance in units at which one texel covers one pixel.
 float loden_lambda_from_distance(float distance_) { return log2(max(distance_, 1e-6)); }
 

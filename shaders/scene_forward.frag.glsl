@@ -55,16 +55,11 @@ vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) {
 #endif
 }
 
-void main() {
-  vec2 dx = dFdx(tile_x), dy = dFdy(tile_x);
-  mat3 frame = tangentFrame();
-  vec3 wo_ws = normalize(scene.camera_exposure.xyz - position_ws);
-  vec3 wo = viewInFrame(frame, wo_ws);
-  SurfacePoint point = surfacePoint(tile_x, dx, dy, wo);
-
+// Radiance towards the viewer from the surface at tile coordinate x, all lights together.
+vec3 shade(vec2 x, vec2 dx, vec2 dy, mat3 frame, vec3 wo_ws, vec3 wo) {
+  SurfacePoint point = surfacePoint(x, dx, dy, wo);
   vec3 position = displacedPosition(wo_ws, wo, surfaceDepth(point));
-
-  vec3 radiance = object.emissive_roughness.rgb;
+  vec3 radiance = vec3(0.0);
   if ((scene.flags.x & SCENE_SUN) != 0) {
     vec3 wi = scene.sun_direction.xyz * frame;
     if (wi.z > 0.0) {
@@ -78,6 +73,20 @@ void main() {
     if (wi.z > 0.0 && irradiance.r + irradiance.g + irradiance.b > 1e-4)
       radiance += irradiance * surfaceRadiance(point, wi, wo);
   }
-  radiance += surfaceAmbient(point, sceneAmbient(frame[2]), wo);
-  color = vec4(sceneTone(radiance), 1.0);
+  return radiance + surfaceAmbient(point, sceneAmbient(frame[2]), wo);
+}
+
+void main() {
+  vec2 dx = dFdx(tile_x), dy = dFdy(tile_x);
+  mat3 frame = tangentFrame();
+  vec3 wo_ws = normalize(scene.camera_exposure.xyz - position_ws);
+  vec3 wo = viewInFrame(frame, wo_ws);
+  vec2 step_;
+  int taps = surfaceTaps(dx, dy, step_), tap = 0;
+  vec3 sum = vec3(0.0);
+  do {
+    vec2 x = tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_;
+    sum += shade(x, dx, dy, frame, wo_ws, wo);
+  } while (++tap < taps);
+  color = vec4(sceneTone(object.emissive_roughness.rgb + sum / float(taps)), 1.0);
 }

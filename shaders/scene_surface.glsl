@@ -25,6 +25,9 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
   return point;
 }
 
+// Evaluations that the footprint needs, and the step between them.
+int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) { return loden_footprint_taps(dx, dy, step_); }
+
 // z of the hit below the mesh, tile periods.
 float surfaceDepth(SurfacePoint point) { return point.hit.depth; }
 
@@ -53,6 +56,11 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
   float metallic = object.base_color_metallic.a;
   float roughness = max(object.emissive_roughness.a, 0.05);
   return SurfacePoint(base * (1.0 - metallic), mix(vec3(0.04), base, metallic), roughness * roughness);
+}
+
+int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) {
+  step_ = vec2(0.0);
+  return 1;
 }
 
 float surfaceDepth(SurfacePoint point) { return 0.0; }

@@ -45,6 +45,14 @@ struct Demand {
   float lambda;
 };
 
+Status checkOptions(const MaterialSystemOptions& options) {
+  const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
+  if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
+  if (options.atlas_size.texels < 1 || options.atlas_size.directions < 1)
+    return issue("atlas_size must be at least 1 texel and 1 direction");
+  return {};
+}
+
 }  // namespace
 
 struct MaterialSystem::Impl {
@@ -96,6 +104,7 @@ struct MaterialSystem::Impl {
 
 Result<std::unique_ptr<MaterialSystem>> MaterialSystem::create(const Device& device,
                                                                const MaterialSystemOptions& options) {
+  if (Status status = checkOptions(options); !status) return status.issue();
   auto impl = std::make_unique<Impl>(device, options);
   const GlPixelStateScope scope;
   impl->shared.create();
@@ -245,12 +254,13 @@ void MaterialSystem::Impl::takeDeliveries() {
 }
 
 void MaterialSystem::Impl::pumpUploads() {
-  uint64_t budget = options.upload_bytes_per_frame;
+  const uint64_t bound = std::max<uint64_t>(options.upload_bytes_per_frame, 1);  // a step uploads a row at least
+  uint64_t budget = bound;
   while (!uploads.empty() && pumpJob(uploads.front(), budget)) {
     finishJob(uploads.front());
     uploads.pop_front();
   }
-  stats.uploaded_last_frame = options.upload_bytes_per_frame - budget;
+  stats.uploaded_last_frame = bound - budget;
   stats.uploaded_bytes += stats.uploaded_last_frame;
 }
 

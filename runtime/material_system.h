@@ -48,7 +48,7 @@ struct MaterialStats {
 
 class MaterialSystem {
  public:
-  // The device must be current and outlive the system. Issues: kGlContext.
+  // The device must be current and outlive the system. Issues: kOption.
   static Result<std::unique_ptr<MaterialSystem>> create(const Device& device, const MaterialSystemOptions& options);
   ~MaterialSystem();
   MaterialSystem(const MaterialSystem&) = delete;
@@ -72,8 +72,8 @@ class MaterialSystem {
   // Updates until every demanded part is resident, or cannot be, and faded in; for captures and tests.
   void finishLoading();
 
-  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BINDING_MATERIAL and texture
-  // units LODEN_UNIT_FIRST ..). The one call that leaves GL state behind.
+  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and texture
+  // units 0 to LODEN_UNIT_FIRST_FREE - 1). The one call that leaves GL state behind.
   void bind(MaterialId id);
   // The smallest lambda that the shader will use: detail below it is not resident.
   float residentLambda(MaterialId id) const;

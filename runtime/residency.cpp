@@ -158,14 +158,15 @@ void Residency::evictOverBudget() {
       if (materials_[slot].parts[i].state == State::kLoading && !materials_[slot].parts[i].targeted) evict({slot, i});
 }
 
-// Evicts least recently wanted parts until `bytes` fit. Parts wanted a moment ago stay, unless something much
-// coarser needs their room.
+// Evicts least recently wanted parts until `bytes` fit. What was wanted a moment ago and is not now stays, unless
+// something much coarser needs its room. What is wanted now and not targeted has lost its place already: the order
+// of the candidates holds its head start, and a second bar here would keep a target out for good.
 bool Residency::makeRoom(uint64_t bytes, const Candidate& wanted) {
   while (options_.budget_bytes - committed_ < bytes) {
     if (next_victim_ == victims_.size()) return false;
     const Part& victim = at(victims_[next_victim_]);
-    const bool recent = frame_ - victim.last_wanted < options_.hysteresis_frames;
-    if (recent && !wanted.floor && wanted.rank < victim.desc.lambda_end + 1) return false;
+    const bool lingers = victim.last_wanted < frame_ && frame_ - victim.last_wanted < options_.hysteresis_frames;
+    if (lingers && !wanted.floor && wanted.rank < victim.desc.lambda_end + 1) return false;
     evict(victims_[next_victim_++]);
   }
   return true;
@@ -187,7 +188,8 @@ void Residency::requestLoads() {
     if (part.state != State::kAbsent || !part.targeted) continue;
     settled_ = false;
     if (loading_ >= options_.max_loading) dropStaleLoads();
-    if (loading_ >= options_.max_loading || !makeRoom(part.desc.bytes, candidate)) return;
+    if (loading_ >= options_.max_loading) return;
+    if (!makeRoom(part.desc.bytes, candidate)) continue;  // smaller ones may fit: all targets do together
     part.state = State::kLoading;
     ++loading_;
     committed_ += part.desc.bytes;

@@ -1,9 +1,26 @@
 #include "runtime/streaming.h"
 
 #include <algorithm>
+#include <exception>
+#include <string>
 #include <utility>
 
+#include "material/issues.h"
+
 namespace loden::runtime {
+namespace {
+
+// Memory above all: a part that does not fit is a part that failed, not the end of the process.
+Result<LoadedPart> loadRequest(const LoadingThread::Request& request) {
+  try {
+    return loadPart(*request.file, request.plan, request.atlas, request.atlas_threads);
+  } catch (const std::exception& exception) {
+    return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,
+                 std::string("a part could not be prepared: ") + exception.what()};
+  }
+}
+
+}  // namespace
 
 LoadingThread::LoadingThread() : thread_([this] { run(); }) {}
 
@@ -48,7 +65,7 @@ void LoadingThread::run() {
     requests_.pop_front();
     working_ = true;
     lock.unlock();
-    Result<LoadedPart> part = loadPart(*request.file, request.plan, request.atlas, request.atlas_threads);
+    Result<LoadedPart> part = loadRequest(request);
     lock.lock();
     deliveries_.push_back({request.ticket, std::move(part)});
     working_ = false;

@@ -205,6 +205,60 @@ TEST(Residency, TakesTenThousandMaterials) {
   EXPECT_GT(player.residency.residentParts(), 0);
 }
 
+// One part per material, and room for one of the two: what is wanted more by a step that exceeds the head start wins.
+TEST(Residency, SettlesWhereOnePartOutranksAnother) {
+  for (const float finer : {2.3f, 2.5f, 2.6f, 2.8f, 3.0f, 3.2f}) {
+    Player player({.budget_bytes = 100, .floor_bytes = 0}, 1);
+    const uint32_t resident = player.residency.add({{100, 2.0f}}), absent = player.residency.add({{100, finer}});
+    for (int i = 0; i < 60; ++i) player.frame({{resident, 0.0f}});
+    ASSERT_TRUE(player.residency.resident({resident, 0}));
+    for (int i = 0; i < 200; ++i) player.frame({{resident, 0.0f}, {absent, 0.0f}});
+    EXPECT_TRUE(player.residency.settled()) << finer;
+    EXPECT_EQ(player.residency.resident({absent, 0}), finer > 2.5f) << finer;
+    EXPECT_LE(player.loads, 2) << finer;
+  }
+}
+
+// Property test: from any state that demands led to, constant demand comes to rest, and stays there.
+TEST(Residency, SettlesUnderConstantDemand) {
+  std::mt19937 random(11);
+  const auto below = [&](uint32_t n) { return uint32_t(random() % n); };
+  for (int trial = 0; trial < 300; ++trial) {
+    Player player({.budget_bytes = (1 + below(4000)) * kKib, .max_loading = 1 + int(below(8))}, int(below(4)));
+    std::vector<uint32_t> slots;
+    for (uint32_t i = 0; i < 2 + below(12); ++i) {
+      std::vector<PartDesc> parts;
+      float end = 3 + float(below(300)) * 0.01f;
+      for (uint32_t k = 1 + below(5); k > 0; --k, end -= float(below(150)) * 0.01f)
+        parts.push_back({(1 + below(800)) * kKib, end});
+      slots.push_back(player.residency.add(parts));
+    }
+    const auto demands = [&] {
+      std::vector<std::pair<uint32_t, float>> chosen;
+      for (uint32_t slot : slots)
+        if (below(4) > 0) chosen.push_back({slot, float(below(500)) * 0.01f});
+      return chosen;
+    };
+    const auto show = [&](const std::vector<std::pair<uint32_t, float>>& chosen, int frames) {
+      for (int i = 0; i < frames; ++i) {
+        for (const auto& [slot, lambda] : chosen) player.residency.demand(slot, lambda);
+        player.step(0.1f);
+      }
+    };
+    for (int scene = 0; scene < 4; ++scene) {
+      show(demands(), int(below(30)));
+      if (below(2) > 0) player.setBudget((1 + below(4000)) * kKib);
+      const auto last = demands();
+      show(last, 400);
+      ASSERT_TRUE(player.residency.settled()) << "trial " << trial << ", scene " << scene;
+      const int loads = player.loads, evictions = player.evictions;
+      show(last, 40);
+      ASSERT_EQ(player.loads, loads) << "trial " << trial;
+      ASSERT_EQ(player.evictions, evictions) << "trial " << trial;
+    }
+  }
+}
+
 // Property test: any demands, any failures, any budget.
 TEST(Residency, NeverExceedsTheBudgetUnderRandomDemand) {
   std::mt19937 random(7);

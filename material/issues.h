@@ -53,8 +53,7 @@ inline constexpr int kOption = 6008;
 // 7xxx: GPU and memory
 inline constexpr int kGlContext = 7001;
 inline constexpr int kShader = 7002;
-inline constexpr int kGpuMemory = 7003;
 inline constexpr int kMemory = 7004;
-inline constexpr int kGlDebug = 7004;
+inline constexpr int kGlDebug = 7005;
 
 }  // namespace loden::issue_id

@@ -22,8 +22,10 @@ float bandEnd(const Material& material, const Band& band) {
   return std::min(band.window.out_end, material.lambda_max + 1);
 }
 
-// Where parallax is seen at all: half a texel shown, at slopes up to 11 (85 degrees); material/vdim.h.
+// Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a quarter
+// of a texel shown or more, at slopes up to 11 (85 degrees); material/vdim.h.
 float parallaxEnd(const Material& material) {
+  if (!material.geometry.identity_parameterization) return material.lambda_max + 1;
   const float texels = std::abs(material.geometry.range.z) * float(material.side) * 4 * 11;
   return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
 }

@@ -1,7 +1,9 @@
 #include "runtime/image_write.h"
 
-#include <fstream>
+#include <vector>
 
+#include "material/atomic_file.h"
+#include "material/check.h"
 #include "material/issues.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -17,20 +19,15 @@ namespace loden::runtime {
 
 Status writePng(const std::filesystem::path& path, std::span<const glm::u8vec4> pixels, glm::ivec2 size) {
   LODEN_CHECK_EQ(pixels.size(), size_t(size.x) * size_t(size.y));
-  const auto fail = [&](const char* why) { return Issue{issue_id::kCannotWrite, Severity::kError, path.string(), why}; };
-  const std::filesystem::path temporary = path.string() + ".part";
-  std::ofstream out(temporary, std::ios::binary);
-  if (!out) return fail("cannot be opened for writing");
+  std::vector<std::byte> file;
   const auto append = [](void* context, void* data, int bytes) {
-    static_cast<std::ofstream*>(context)->write(static_cast<const char*>(data), bytes);
+    const std::byte* begin = static_cast<const std::byte*>(data);
+    auto& all = *static_cast<std::vector<std::byte>*>(context);
+    all.insert(all.end(), begin, begin + bytes);
   };
-  stbi_write_png_to_func(append, &out, size.x, size.y, 4, pixels.data(), size.x * 4);
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (out && !error) return {};
-  std::filesystem::remove(temporary, error);
-  return fail("could not be written completely");
+  if (!stbi_write_png_to_func(append, &file, size.x, size.y, 4, pixels.data(), size.x * 4))
+    return Issue{issue_id::kMemory, Severity::kError, path.string(), "the picture could not be compressed"};
+  return writeFileAtomically(path, file);
 }
 
 }  // namespace loden::runtime

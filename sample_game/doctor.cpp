@@ -36,10 +36,13 @@ int runDoctor(bool json) {
     return 4;
   }
   const Json all = facts((*device)->capabilities());
-  if (json) return std::printf("%s\n", all.dump(1).c_str()), 0;
-  for (const auto& [what, value] : all.items())
-    if (what != "schema")
-      std::printf("%-24s %s\n", what.c_str(), value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+  if (json) return std::printf("%s\n", all.dump(1, ' ', false, Json::error_handler_t::replace).c_str()), 0;
+  for (const auto& [what, value] : all.items()) {
+    if (what == "schema") continue;
+    const std::string text = value.is_string() ? value.get<std::string>()
+                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::printf("%-24s %s\n", what.c_str(), text.c_str());
+  }
   return 0;
 }
 

@@ -1,10 +1,10 @@
 #include "sample_game/report.h"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 
-#include "material/issues.h"
+#include "material/atomic_file.h"
 
 namespace loden::walk {
 namespace {
@@ -78,11 +78,9 @@ Status writeReport(const std::filesystem::path& path, const Report& report, cons
   Json json{{"schema", "loden/walk/1"}, {"command", options.command}, {"gl", glJson(report.gl)},
             {"options", optionsJson(options)}, {"summary", summaryJson(report)}, {"frames", Json::array()}};
   for (size_t i = 0; i < report.frames.size(); ++i) json["frames"].push_back(frameJson(report.frames[i], i));
-  std::ofstream out(path, std::ios::binary);
-  out << json.dump(1) << '\n';
-  out.close();
-  if (!out) return Issue{issue_id::kCannotWrite, Severity::kError, path.string(), "could not be written"};
-  return {};
+  // Names come from files and drivers, and need not be UTF-8.
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return writeFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
 }  // namespace loden::walk

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "material/issues.h"
 #include "runtime/material_data.h"
 #include "shaders/loden_shared.h"
 
@@ -103,6 +104,39 @@ Result<LoadedPart> loadSurfacePart(const AssetFile& file) {
   return part;
 }
 
+// Of a texture that is going to be allocated.
+struct Extents {
+  const char* what;
+  TextureShape shape;
+  glm::ivec3 size;
+};
+
+std::string extentsText(glm::ivec3 size) {
+  return std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z);
+}
+
+void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& part, VdimAtlasSize atlas) {
+  const auto add = [&all](const char* what, const Texture& t) {
+    all.push_back({what, t.shape, {t.width, t.height, t.depth}});
+  };
+  switch (part.kind) {
+    case PartKind::kBand:
+      add("band weights", material.bands[size_t(part.band)].weights);
+      return add("a band table", material.bands[size_t(part.band)].table);
+    case PartKind::kGeometry:
+      all.push_back({"a VDIM atlas", TextureShape::kArray2D,
+                     {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
+      return add("a geometry image", material.geometry.texels);
+    case PartKind::kStoredVdim:
+      add("a VDIM reference", material.stored_vdim->reference);
+      return add("a packed VDIM", material.stored_vdim->packed);
+    case PartKind::kSurface:
+      add("a normal map", material.surface->normal);
+      add("a diffuse map", material.surface->diffuse);
+      return add("a specular map", material.surface->specular);
+  }
+}
+
 }  // namespace
 
 std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant, VdimAtlasSize atlas) {
@@ -119,6 +153,22 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
   addLookupPart(parts, material, variant.lookup, flat_end, atlas);
   addBands(parts, material, Domain::kFlat);
   return parts;
+}
+
+Status checkExtents(const Material& material, std::span<const PartPlan> parts, VdimAtlasSize atlas,
+                    const Capabilities& gl) {
+  std::vector<Extents> textures;
+  for (const PartPlan& part : parts) addExtents(textures, material, part, atlas);
+  for (const Extents& t : textures) {
+    const bool volume = t.shape == TextureShape::kVolume;
+    const int side = volume ? gl.max_volume_side : gl.max_texture_side;
+    const int depth = volume ? gl.max_volume_side : gl.max_array_layers;
+    if (t.size.x <= side && t.size.y <= side && t.size.z <= depth) continue;
+    return Issue{issue_id::kLimit, Severity::kError, material.name,
+                 std::string(t.what) + " of " + extentsText(t.size) + " texels, this driver takes " +
+                     extentsText({side, side, depth})};
+  }
+  return {};
 }
 
 VdimAtlasSize fitAtlas(VdimAtlasSize wanted, uint64_t budget_bytes) {

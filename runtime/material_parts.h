@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "material/asset.h"
 #include "material/evaluate.h"
 #include "material/vdim.h"
+#include "runtime/device.h"
 #include "runtime/residency.h"
 #include "runtime/shader_variants.h"
 
@@ -23,6 +25,10 @@ struct PartPlan {
 // Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.
 // Surface maps come before their geometry. Only what the variant reads.
 std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant, VdimAtlasSize atlas);
+
+// kLimit if a texture of one of the parts is larger than the driver takes.
+Status checkExtents(const Material& skeleton, std::span<const PartPlan> parts, VdimAtlasSize atlas,
+                    const Capabilities& gl);
 
 // The largest atlas, up to `wanted`, that takes at most a sixteenth of the budget; never below 16 x 16 texels.
 VdimAtlasSize fitAtlas(VdimAtlasSize wanted, uint64_t budget_bytes);

@@ -130,6 +130,8 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   if (!variant) return variant.issue();
   const VdimAtlasSize atlas = fitAtlas(impl.options.atlas_size, impl.options.budget_bytes);
   std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, atlas);
+  if (Status status = checkExtents(file->skeleton(), plan, atlas, impl.device->capabilities()); !status)
+    return status.issue();
   std::vector<PartDesc> descs;
   for (const PartPlan& part : plan) descs.push_back(part.desc);
   const uint32_t index = impl.residency.add(std::move(descs));

@@ -54,7 +54,8 @@ class MaterialSystem {
   MaterialSystem(const MaterialSystem&) = delete;
   MaterialSystem& operator=(const MaterialSystem&) = delete;
 
-  // Reads the header only; parts follow on demand. The source is read from the loading thread later on.
+  // Reads the header only; parts follow on demand. The source is read from the loading thread later on. Issues of
+  // AssetFile::open; kLimit if the shaders or the driver take no material of this size.
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   Result<MaterialId> load(const std::filesystem::path& path);
   void unload(MaterialId id);

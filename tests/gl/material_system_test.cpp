@@ -2,8 +2,11 @@
 #include <epoxy/gl.h>
 
 #include <atomic>
+#include <cmath>
 
 #include "material/issues.h"
+#include "runtime/material_data.h"
+#include "runtime/material_parts.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/gl_state_dump.h"
 #include "tests/unit/material_fixtures.h"
@@ -113,6 +116,41 @@ TEST_F(MaterialSystemTest, ShowsTheMeanBeforeAnythingIsResident) {
     const std::vector<glm::vec4> pixels = drawMaterial(*system, id, 0);
     EXPECT_GT(pixels[0].y, 0.05f) << material.name;
     for (const glm::vec4& pixel : pixels) ASSERT_EQ(pixel, pixels[0]) << material.name;
+  }
+}
+
+TEST_F(MaterialSystemTest, UploadsARowAFrameWithoutAnUploadBound) {
+  auto system = makeMaterials({.upload_bytes_per_frame = 0});
+  const MaterialId id = load(*system, fusedMaterial());
+  system->demand(id, 0);
+  system->finishLoading();
+  EXPECT_EQ(system->residentLambda(id), 0);
+}
+
+TEST_F(MaterialSystemTest, RefusesOptionsThatCannotWork) {
+  for (const float fade : {0.0f, -1.0f, std::nanf("")}) {
+    const auto system = MaterialSystem::create(*device, {.fade_levels_per_second = fade});
+    ASSERT_FALSE(system.ok());
+    EXPECT_EQ(system.issue().id, issue_id::kOption);
+  }
+}
+
+TEST_F(MaterialSystemTest, ComparesEveryTextureWithTheDriversLimits) {
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) {
+    const Result<MaterialVariant> variant = materialVariant(material, Lookup::kDefault);
+    ASSERT_TRUE(variant.ok());
+    const std::vector<PartPlan> parts = planParts(material, *variant, {});
+    EXPECT_TRUE(checkExtents(material, parts, {}, device->capabilities()).ok());
+    for (int Capabilities::*limit : {&Capabilities::max_texture_side, &Capabilities::max_array_layers}) {
+      Capabilities small = device->capabilities();
+      small.*limit = 0;
+      const Status status = checkExtents(material, parts, {}, small);
+      ASSERT_FALSE(status.ok()) << material.name;
+      EXPECT_EQ(status.issue().id, issue_id::kLimit);
+    }
+    Capabilities no_volumes = device->capabilities();
+    no_volumes.max_volume_side = 1;
+    EXPECT_EQ(checkExtents(material, parts, {}, no_volumes).ok(), material.bands.empty()) << material.name;
   }
 }
 

@@ -39,14 +39,23 @@ void setPassState() {
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_STENCIL_TEST);
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_RASTERIZER_DISCARD);
+  glDisable(GL_COLOR_LOGIC_OP);
+  glDisable(GL_PRIMITIVE_RESTART);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glEnable(GL_MULTISAMPLE);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
+  glDepthRange(0, 1);
   glClearDepth(1);
   glCullFace(GL_BACK);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glBindSampler(SCENE_UNIT_SHADOW, 0);
 }
 
 }  // namespace
@@ -100,7 +109,7 @@ void FrameRenderer::Impl::demandMaterials() {
   for (const Drawable& drawable : visible) {
     const Object& object = scene.objects[drawable.object];
     if (object.asset < 0) continue;
-    const int side = materials.material(scene.assets[object.asset].material).side;
+    const int side = materials.material(scene.assets[object.asset].material.id()).side;
     const float lambda =
         settings.lambda.value_or(demandLambda(view, object.bounds, object.periods_per_metre, side));
     std::optional<float>& least = asked[object.asset];
@@ -108,8 +117,8 @@ void FrameRenderer::Impl::demandMaterials() {
   }
   for (size_t i = 0; i < asked.size(); ++i) {
     if (!asked[i]) continue;
-    materials.demand(scene.assets[i].material, *asked[i]);
-    demanded.push_back(scene.assets[i].material);
+    materials.demand(scene.assets[i].material.id(), *asked[i]);
+    demanded.push_back(scene.assets[i].material.id());
     stats.demands.push_back({scene.assets[i].name, *asked[i], 0});
   }
 }
@@ -117,7 +126,7 @@ void FrameRenderer::Impl::demandMaterials() {
 // None: drawn with its base material.
 MaterialId FrameRenderer::Impl::materialOf(int object) const {
   const int asset = scene.objects[object].asset;
-  return settings.base_materials_only || asset < 0 ? MaterialId{} : scene.assets[asset].material;
+  return settings.base_materials_only || asset < 0 ? MaterialId{} : scene.assets[asset].material.id();
 }
 
 SceneFrame FrameRenderer::Impl::frameData() const {

@@ -54,11 +54,12 @@ struct FrameTarget {
   glm::ivec2 size{0};
 };
 
-// One scene on the GPU. Per frame: prepare(), then MaterialSystem::update() or finishLoading(), then draw().
+// One scene on the GPU. Destroy it before Device::recreate() and make another afterwards: it does not outlive its
+// context, as a MaterialSystem does. Per frame: prepare(), then MaterialSystem::update() or finishLoading(), then draw().
 class FrameRenderer {
  public:
-  // Uploads the meshes and opens the scene's assets. The device must be current; device, shaders and materials
-  // must outlive the renderer. Issues of MaterialSystem::load.
+  // Uploads the meshes and opens the scene's assets, which are unloaded with the renderer. The device must be
+  // current, here and at the end; device, shaders and materials must outlive the renderer. Issues of MaterialSystem::load.
   static Result<std::unique_ptr<FrameRenderer>> create(const Device& device, ShaderLibrary& shaders,
                                                        MaterialSystem& materials, const Scene& scene);
   ~FrameRenderer();

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "material/issues.h"
@@ -19,7 +20,7 @@ Result<std::vector<Asset>> loadAssets(const Scene& scene, MaterialSystem& materi
     auto id = embedded ? materials.load(std::shared_ptr(memorySource(asset.embedded, asset.name)), asset.name)
                        : materials.load(asset.path);
     if (!id) return id.issue();
-    assets.push_back({*id, embedded ? asset.name : asset.path.stem().string()});
+    assets.push_back({OwnedMaterial(materials, *id), embedded ? asset.name : asset.path.stem().string()});
   }
   return assets;
 }
@@ -81,10 +82,20 @@ void chooseLights(const std::vector<Light>& lights, const Bounds& box, SceneObje
   for (int k = 0; k < data.flags.y; ++k) data.lights[k / 4][k % 4] = reaching[k].second;
 }
 
+// The inverse transpose but for a positive factor, from cofactors: exists where the transform flattens the mesh.
+glm::mat3 normalMatrix(const glm::mat3& m) {
+  const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  float largest = 0;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) largest = std::max(largest, std::abs(cofactors[column][row]));
+  if (!(largest > 0)) return glm::mat3(1);
+  return cofactors * ((glm::determinant(m) < 0 ? -1.0f : 1.0f) / largest);
+}
+
 SceneObject objectData(const Object& object, const SceneMaterial& material, const glm::mat4& world_from_local) {
   SceneObject data{};
   data.world_from_local = world_from_local;
-  data.normal_from_local = glm::mat4(glm::transpose(glm::inverse(glm::mat3(world_from_local))));
+  data.normal_from_local = glm::mat4(normalMatrix(glm::mat3(world_from_local)));
   data.base_color_metallic = glm::vec4(glm::vec3(material.base_color), material.metallic);
   data.emissive_roughness = glm::vec4(material.emissive, material.roughness);
   data.tile = glm::vec4(1 / object.periods_per_metre, 0, 0, 0);

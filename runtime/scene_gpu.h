@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runtime/device.h"
@@ -24,8 +25,28 @@ struct Object {
   bool double_sided = false;
 };
 
+// Unloads the material when it goes. The system must outlive it, with its context current.
+class OwnedMaterial {
+ public:
+  OwnedMaterial(MaterialSystem& system, MaterialId id) : system_(&system), id_(id) {}
+  OwnedMaterial(OwnedMaterial&& other) noexcept : system_(std::exchange(other.system_, nullptr)), id_(other.id_) {}
+  OwnedMaterial& operator=(OwnedMaterial&& other) noexcept {
+    std::swap(system_, other.system_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~OwnedMaterial() {
+    if (system_) system_->unload(id_);
+  }
+  MaterialId id() const { return id_; }
+
+ private:
+  MaterialSystem* system_;
+  MaterialId id_;
+};
+
 struct Asset {
-  MaterialId material;
+  OwnedMaterial material;
   std::string name;
 };
 

@@ -3,6 +3,7 @@
 
 #include "runtime/frame.h"
 #include "runtime/mesh_analytic.h"
+#include "shaders/scene_shared.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/gl_state_dump.h"
 #include "tests/unit/material_fixtures.h"
@@ -73,6 +74,67 @@ TEST_F(FrameTest, DrawsThePlaneWithItsMaterial) {
   EXPECT_EQ((*renderer)->stats().visible_objects, 1);
   EXPECT_EQ(shaders.stats().compiled, 2) << "one depth and one shading program: nothing else is needed";
   for (const glm::vec4& pixel : readLinear(target)) ASSERT_TRUE(std::isfinite(pixel.x + pixel.y + pixel.z));
+}
+
+std::vector<glm::vec4> picture(FrameRenderer& renderer, MaterialSystem& materials) {
+  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kLinear32, "frame");
+  renderer.prepare(viewOf(target.size), {});
+  materials.finishLoading();
+  EXPECT_TRUE(renderer.draw({target.framebuffer.name(), target.size}).ok());
+  return readLinear(target);
+}
+
+TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  const std::vector<glm::vec4> expected = picture(**renderer, *materials);
+  for (const GLenum state : {GL_DEPTH_CLAMP, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART,
+                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL}) {
+    glEnable(state);
+    glLogicOp(GL_INVERT);
+    glPrimitiveRestartIndex(1);
+    glPolygonOffset(100, 1000);
+    EXPECT_TRUE(picture(**renderer, *materials) == expected) << std::hex << state;
+    glDisable(state);
+  }
+  glDepthRange(0.5, 0.5);
+  EXPECT_TRUE(picture(**renderer, *materials) == expected) << "depth range";
+  glDepthRange(0, 1);
+  GLuint sampler = 0;  // without depth comparison
+  glCreateSamplers(1, &sampler);
+  for (GLuint unit = 0; unit <= SCENE_UNIT_SHADOW; ++unit) glBindSampler(unit, sampler);
+  EXPECT_TRUE(picture(**renderer, *materials) == expected) << "samplers";
+  glDeleteSamplers(1, &sampler);
+}
+
+TEST_F(FrameTest, LightsAMeshThatItsTransformFlattens) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  Scene scene = planeScene();  // in z = 0 already
+  auto whole = FrameRenderer::create(*device, shaders, *materials, scene);
+  for (Instance& instance : scene.instances) instance.world_from_local[2] = glm::vec4(0);
+  auto flat = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(whole.ok() && flat.ok());
+  EXPECT_TRUE(picture(**flat, *materials) == picture(**whole, *materials));
+}
+
+TEST_F(FrameTest, UnloadsItsMaterials) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  Scene scene = planeScene();
+  for (int again = 0; again < 2; ++again) {
+    auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+    ASSERT_TRUE(renderer.ok());
+    EXPECT_EQ(materials->stats().materials, 1);
+    renderer->reset();
+    EXPECT_EQ(materials->stats().materials, 0);
+  }
+  scene.assets.push_back(scene.assets[0]);
+  scene.assets[1].embedded.resize(10);
+  EXPECT_FALSE(FrameRenderer::create(*device, shaders, *materials, scene).ok());
+  EXPECT_EQ(materials->stats().materials, 0) << "the first asset of a scene whose second one is broken";
 }
 
 }  // namespace

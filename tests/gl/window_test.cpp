@@ -63,6 +63,9 @@ TEST(Window, OpensDrawsAndCloses) {
     ASSERT_TRUE(device.ok()) << device.issue().text;
     EXPECT_EQ((*device)->size(), glm::ivec2(320, 200));
     EXPECT_NE((*device)->nativeWindow(), nullptr);
+    GLint depth_bits = 0;
+    glGetNamedFramebufferAttachmentParameteriv(0, GL_DEPTH, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE, &depth_bits);
+    EXPECT_GE(depth_bits, 24) << "the renderer draws into the window where no multisampling is asked for";
     glClearColor(0.5f, 0, 1, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     glm::u8vec4 pixel{0};

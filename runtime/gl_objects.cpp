@@ -14,8 +14,6 @@ GLenum labelIdentifier(GlKind kind) {
     case GlKind::kFramebuffer: return GL_FRAMEBUFFER;
     case GlKind::kProgram: return GL_PROGRAM;
     case GlKind::kVertexArray: return GL_VERTEX_ARRAY;
-    case GlKind::kSampler: return GL_SAMPLER;
-    case GlKind::kQuery: return GL_QUERY;
   }
   return GL_NONE;
 }
@@ -35,8 +33,6 @@ void detail::deleteGlName(GlKind kind, uint32_t name) {
     case GlKind::kFramebuffer: return glDeleteFramebuffers(1, &name);
     case GlKind::kProgram: return glDeleteProgram(name);
     case GlKind::kVertexArray: return glDeleteVertexArrays(1, &name);
-    case GlKind::kSampler: return glDeleteSamplers(1, &name);
-    case GlKind::kQuery: return glDeleteQueries(1, &name);
   }
 }
 
@@ -70,18 +66,6 @@ GlVertexArray makeVertexArray(std::string_view label) {
   GLuint name = 0;
   glCreateVertexArrays(1, &name);
   return adopt<GlKind::kVertexArray>(name, label);
-}
-
-GlSampler makeSampler(std::string_view label) {
-  GLuint name = 0;
-  glCreateSamplers(1, &name);
-  return adopt<GlKind::kSampler>(name, label);
-}
-
-GlQuery makeQuery(uint32_t target, std::string_view label) {
-  GLuint name = 0;
-  glCreateQueries(target, 1, &name);
-  return adopt<GlKind::kQuery>(name, label);
 }
 
 GlDebugGroup::GlDebugGroup(std::string_view name) {

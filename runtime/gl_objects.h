@@ -10,7 +10,7 @@
 
 namespace loden::runtime {
 
-enum class GlKind { kTexture, kBuffer, kFramebuffer, kProgram, kVertexArray, kSampler, kQuery };
+enum class GlKind { kTexture, kBuffer, kFramebuffer, kProgram, kVertexArray };
 
 namespace detail {
 void deleteGlName(GlKind kind, uint32_t name);
@@ -48,8 +48,6 @@ using GlBuffer = GlObject<GlKind::kBuffer>;
 using GlFramebuffer = GlObject<GlKind::kFramebuffer>;
 using GlProgram = GlObject<GlKind::kProgram>;
 using GlVertexArray = GlObject<GlKind::kVertexArray>;
-using GlSampler = GlObject<GlKind::kSampler>;
-using GlQuery = GlObject<GlKind::kQuery>;
 
 // What debuggers show for the object (KHR_debug).
 void setGlLabel(GlKind kind, uint32_t name, std::string_view label);
@@ -60,8 +58,6 @@ GlTexture makeTexture(uint32_t target, std::string_view label);
 GlBuffer makeBuffer(size_t bytes, std::span<const std::byte> data, uint32_t flags, std::string_view label);
 GlFramebuffer makeFramebuffer(std::string_view label);
 GlVertexArray makeVertexArray(std::string_view label);
-GlSampler makeSampler(std::string_view label);
-GlQuery makeQuery(uint32_t target, std::string_view label);
 
 // A named group in debuggers' call lists, for one pass.
 class GlDebugGroup {

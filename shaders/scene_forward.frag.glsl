@@ -23,7 +23,7 @@ mat3 tangentFrame() {
   vec2 xx = dFdx(tile_x), xy = dFdy(tile_x);
   vec3 t = tangent_ws.xyz;
   float sign_ = tangent_ws.w * float(object.flags.z) * (dot(n, normal_ws) < 0.0 ? -1.0 : 1.0);
-  if (abs(tangent_ws.w) < 0.5 || (scene.flags.x & SCENE_FRAME_DERIVED) != 0) {
+  if (abs(tangent_ws.w) < 0.5) {
     // Inverse of the screen's Jacobian; its determinant and the surface's orientation give the sign.
     float det = xx.x * xy.y - xy.x * xx.y;
     t = (px * xy.y - py * xx.y) * (det < 0.0 ? -1.0 : 1.0);

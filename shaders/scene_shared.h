@@ -14,7 +14,6 @@
 #define SCENE_SHADOWS 2
 #define SCENE_FILMIC 4          // tone curve; without it colours are clipped
 #define SCENE_LAMBDA_OVERRIDE 8
-#define SCENE_FRAME_DERIVED 16  // tangent frames from derivatives everywhere, to compare
 
 // Bits of SceneObject.flags.x
 #define SCENE_DOUBLE_SIDED 1

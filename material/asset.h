@@ -24,6 +24,8 @@ struct AssetLimits {
   static constexpr uint32_t kMaxQuads = 64;           // quads of one band, of each kind
   static constexpr uint32_t kMaxDirections = 256;     // samples of a direction set; lookups store a byte each
   static constexpr uint32_t kMaxGridSide = 256;       // rows, and columns, of a direction grid
+  static constexpr uint32_t kMaxGeometrySide = 2048;  // texels per side of a geometry image
+  static constexpr uint32_t kMaxTilePeriods = 4;      // any extent of the tile, and any displacement
   static constexpr uint32_t kMaxLambda = 32;          // levels of detail
   static constexpr uint32_t kMaxNameBytes = 256;      // material name
   static constexpr uint32_t kMaxHeadBytes = 131072;   // raw HEAD; no valid record is longer

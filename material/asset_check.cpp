@@ -166,6 +166,7 @@ class MaterialCheck {
   void checkWeights(const Band& band, const std::string& place) {
     checkBandFormat(band.weights, place);
     checkExtents(band.weights, TextureShape::kArray2D, kBandField, place);
+    issues_.require(band.weights.width == band.weights.height, kBandField, place, "the map is not square");
     issues_.require(band.weights.depth >= band.layers(), kBandField, place, band.weights.depth,
                     " layers; the quads need ", band.layers());
   }
@@ -217,9 +218,11 @@ class MaterialCheck {
              "HEAD, geometry image");
     for (int axis = 0; axis < 3; ++axis) {
       const float range = geometry.range[axis];
-      issues_.require(std::isfinite(range) && range >= 0, kMapField, "HEAD, geometry image", "range ", range,
-                      " is negative or not finite");
+      issues_.require(range >= 0 && range <= Limits::kMaxTilePeriods, kMapField, "HEAD, geometry image", "range ",
+                      range, " is not in 0..", Limits::kMaxTilePeriods);
     }
+    issues_.require(geometry.side() <= int{Limits::kMaxGeometrySide}, issue_id::kLimit, "HEAD, geometry image",
+                    "the side is above ", Limits::kMaxGeometrySide);
   }
 
   void checkVdim(const PaperVdim& vdim) {
@@ -228,8 +231,8 @@ class MaterialCheck {
                         within(vdim.azimuths, 2, Limits::kMaxSide);
     issues_.require(counts, kMapField, place, "side, zeniths or azimuths is out of range");
     for (int axis = 0; axis < 2; ++axis) {
-      issues_.require(std::isfinite(vdim.range[axis]) && vdim.range[axis] >= 0, kMapField, place, "range ",
-                      vdim.range[axis], " is negative or not finite");
+      issues_.require(vdim.range[axis] >= 0 && vdim.range[axis] <= Limits::kMaxTilePeriods, kMapField, place, "range ",
+                      vdim.range[axis], " is not in 0..", Limits::kMaxTilePeriods);
     }
     if (!counts) return;
     checkMap(vdim.reference, TexelFormat::kRG16Snorm, vdim.side, vdim.side, place + ", reference");

@@ -85,8 +85,8 @@ std::optional<DirectionSet> directionsByName(std::string_view name) {
   const auto first = std::from_chars(name.data(), end, n);
   if (first.ec != std::errc() || first.ptr == end || *first.ptr != 'x') return std::nullopt;
   const auto second = std::from_chars(first.ptr + 1, end, m);
-  // 15 x 15 is the largest grid whose indices fit the 8-bit nearest-direction image.
-  if (second.ec != std::errc() || second.ptr != end || n != m || n < 1 || n > 15) return std::nullopt;
+  // 16 x 16 is the largest grid whose indices fit the 8-bit nearest-direction image.
+  if (second.ec != std::errc() || second.ptr != end || n != m || n < 1 || n > 16) return std::nullopt;
   return concentricDirections(n);
 }
 

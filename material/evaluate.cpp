@@ -128,9 +128,9 @@ Evaluator::Evaluator(const Material& material, VdimAtlasSize atlas_size, int thr
 
 template <class T>
 Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup) const {
-  Hit<T> hit{x, x, std::clamp(lambda, T(0), std::max(T(material_->lambda_max), T(0))), 0, 0};
-  if (material_->mode != Mode::kLod) hit.lambda = std::max(lambda, T(0));
-  hit.lambda = std::max(hit.lambda, T(material_->lambda_min));
+  Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)}), 0, 0};
+  // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
+  if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
   if (lookup == Lookup::kPaper && material_->stored_vdim) {
     hit.p = paperVdimLookup(*material_->stored_vdim, x, wo);
     hit.fetches = 2;

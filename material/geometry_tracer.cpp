@@ -45,6 +45,8 @@ std::optional<LocalHit> intersect(const Triangle& tri, const glm::dvec3& o, cons
   return LocalHit{glm::dot(tri.edge_c, q) * inv, u, v};
 }
 
+constexpr int kFewestCells = 8;  // per side of the grid
+
 }  // namespace
 
 struct GeometryTracer::Impl {
@@ -55,9 +57,20 @@ struct GeometryTracer::Impl {
   std::vector<CellReference> references;
   std::vector<CellBounds> bounds;
 
-  explicit Impl(const GeometryImage& image) : cells(std::max(8, image.side() / 2)), z_min(image.zMin()) {
+  explicit Impl(const GeometryImage& image) : cells(std::max(kFewestCells, image.side() / 2)), z_min(image.zMin()) {
     addTriangles(image);
+    // A surface with large triangles gets larger cells, so that memory stays in proportion.
+    while (cells > kFewestCells && countReferences() > 64 * triangles.size()) cells /= 2;
     bin();
+  }
+
+  size_t countReferences() const {
+    size_t count = 0;
+    for (const Triangle& tri : triangles) {
+      const CellSpan span = cellSpan(tri);
+      count += static_cast<size_t>(span.x1 - span.x0 + 1) * static_cast<size_t>(span.y1 - span.y0 + 1);
+    }
+    return count;
   }
 
   void addTriangles(const GeometryImage& image) {
@@ -67,25 +80,38 @@ struct GeometryTracer::Impl {
         const Patch<double> patch = fetchPatch<double>(image, i, j);
         if (patch.chart == 0) continue;
         const glm::dvec2 p((i + 0.5) / n, (j + 0.5) / n), du(1.0 / n, 0), dv(0, 1.0 / n);
-        triangles.push_back({patch.p00, patch.p10 - patch.p00, patch.p11 - patch.p00, p, du, du + dv});
-        triangles.push_back({patch.p00, patch.p11 - patch.p00, patch.p01 - patch.p00, p, du + dv, dv});
+        addTriangle({patch.p00, patch.p10 - patch.p00, patch.p11 - patch.p00, p, du, du + dv});
+        addTriangle({patch.p00, patch.p11 - patch.p00, patch.p01 - patch.p00, p, du + dv, dv});
       }
+  }
+
+  // Neighbouring texels half a period apart are a tear in a damaged image, not surface.
+  void addTriangle(const Triangle& tri) {
+    constexpr double kTear = 0.5;
+    const glm::dvec2 b = glm::abs(glm::dvec2(tri.edge_b)), c = glm::abs(glm::dvec2(tri.edge_c));
+    if (std::max({b.x, b.y, c.x, c.y}) < kTear) triangles.push_back(tri);
+  }
+
+  struct CellSpan {
+    int x0, x1, y0, y1;
+    double z_min, z_max;
+  };
+  CellSpan cellSpan(const Triangle& tri) const {
+    const glm::dvec3 b = tri.a + tri.edge_b, c = tri.a + tri.edge_c;
+    const glm::dvec3 lo = glm::min(tri.a, glm::min(b, c)), hi = glm::max(tri.a, glm::max(b, c));
+    constexpr double kMargin = 1e-6;
+    const auto cell = [&](double at) { return static_cast<int>(std::floor(at * cells)); };
+    return {cell(lo.x - kMargin), cell(hi.x + kMargin), cell(lo.y - kMargin), cell(hi.y + kMargin), lo.z, hi.z};
   }
 
   template <class Visit>
   void forEachCell(const Triangle& tri, Visit visit) const {
-    const glm::dvec3 b = tri.a + tri.edge_b, c = tri.a + tri.edge_c;
-    const glm::dvec3 lo = glm::min(tri.a, glm::min(b, c)), hi = glm::max(tri.a, glm::max(b, c));
-    constexpr double kMargin = 1e-6;
-    const int x0 = static_cast<int>(std::floor((lo.x - kMargin) * cells));
-    const int x1 = static_cast<int>(std::floor((hi.x + kMargin) * cells));
-    const int y0 = static_cast<int>(std::floor((lo.y - kMargin) * cells));
-    const int y1 = static_cast<int>(std::floor((hi.y + kMargin) * cells));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
+    const CellSpan span = cellSpan(tri);
+    for (int y = span.y0; y <= span.y1; ++y)
+      for (int x = span.x0; x <= span.x1; ++x) {
         const int period_x = floorDivide(x), period_y = floorDivide(y);
         const int cell = (y - period_y * cells) * cells + (x - period_x * cells);
-        visit(cell, glm::i16vec2(-period_x, -period_y), lo.z, hi.z);
+        visit(cell, glm::i16vec2(-period_x, -period_y), span.z_min, span.z_max);
       }
   }
 

@@ -27,10 +27,9 @@ void parallelFor(int count, int threads, const Body& body) {
   const auto work = [&] {
     for (int k; (k = next.fetch_add(1)) < count;) body(k);
   };
-  std::vector<std::thread> pool;
+  std::vector<std::jthread> pool;
   for (int t = 1; t < std::min(threads, count); ++t) pool.emplace_back(work);
   work();
-  for (std::thread& thread : pool) thread.join();
 }
 
 void traceLayer(const GeometryTracer& tracer, const VdimAtlasSize& size, float z_min, int layer, Texture& depth) {

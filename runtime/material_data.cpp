@@ -22,7 +22,6 @@ LodenBandData bandData(const Band& band) {
   int bits = 0;
   if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
   if (band.filter == WeightFilter::kLinear) bits |= LODEN_BAND_LINEAR;
-  if (band.layout == TableLayout::kGrid) bits |= LODEN_BAND_GRID;
   if (band.ratio) bits |= LODEN_BAND_RATIO;
   data.layout_ = {bits, band.y_quads, band.chroma_quads, band.quads()};
   std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
@@ -82,6 +81,7 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   if (m.mean.chroma == MeanChroma::kRatio) bits |= LODEN_MEAN_RATIO;
   if (m.cosine_included) bits |= LODEN_COSINE_INCLUDED;
   if (m.geometry.identity_parameterization) bits |= LODEN_IDENTITY;
+  if (m.mode == Mode::kLod) bits |= LODEN_CLAMP_LAMBDA;
   const float full_turn = 2 * float(kPi);
   data.flags = {bits, int(m.bands.size()), atlas.texels, atlas.directions};
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
@@ -89,7 +89,7 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
   data.grid = {m.grid.thetas, m.grid.phis, float(m.grid.thetas - 1) / m.grid.theta_max,
                float(m.grid.phis - 1) / full_turn};
-  data.geometry = {m.geometry.range, m.geometry.side()};
+  data.geometry = {m.geometry.range.x, m.geometry.range.y, std::max(m.geometry.range.z, 1e-9f), m.geometry.side()};
   data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
   if (m.stored_vdim)
     data.paper = {m.stored_vdim->range, m.stored_vdim->zeniths, m.stored_vdim->azimuths};

@@ -39,7 +39,7 @@ vec2 loden_vdim_square_from_view(vec3 wo) {
   return loden_square_from_disk(wo.xy * (min(radius, 1.0) / sine));
 }
 
-// theta_max = (radians, cosine, sine, unused): the direction, at most that far from the normal.
+// theta_max = (radians, cosine, sine, 1 / radians): the direction, at most that far from the normal.
 vec3 loden_clamp_theta(vec3 w, vec4 theta_max) {
   if (w.z >= theta_max.y) return w;
   float sine = sqrt(w.x * w.x + w.y * w.y);

@@ -43,10 +43,11 @@ LODEN_BINDING(LODEN_UNIT_SPECULAR) uniform sampler2DArray loden_specular;
 struct LodenMaterial {
   float lambda_min;    // finest level that is resident; finer requests show this one
   float lambda_bias;   // added to the footprint's lambda
+  float distance_;     // above 0: lambda by LBTF's distance rule, in units at which a texel covers a pixel
   bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
 };
 
-LodenMaterial loden_material_default() { return LodenMaterial(loden_material.mean_chroma.z, 0.0, true); }
+LodenMaterial loden_material_default() { return LodenMaterial(loden_material.mean_chroma.z, 0.0, 0.0, true); }
 
 // One shading point, shared by all lights.
 struct LodenHit {

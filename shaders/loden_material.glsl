@@ -6,7 +6,6 @@
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
 //   LODEN_NO_BRANCH                                            evaluates closed windows too, to measure the gain
-//   LODEN_LOD_DISTANCE                                         lambda by LBTF's distance rule
 //
 // Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
 //   LodenMaterial m = loden_material_default();
@@ -69,9 +68,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.p = x;
   hit.depth = 0.0;
   hit.lambda = max(max(lambda, m.lambda_min), 0.0);
-#ifdef LODEN_TABLES_NEAREST
-  hit.lambda = min(hit.lambda, loden_material.surface.w);
-#endif
+  if ((loden_material.flags.x & LODEN_CLAMP_LAMBDA) != 0) hit.lambda = min(hit.lambda, loden_material.surface.w);
 #if defined(LODEN_LOOKUP_PAPER)
   hit.p = loden_paper_vdim_lookup(x, wo);
 #elif defined(LODEN_LOOKUP_DEFAULT) || defined(LODEN_LOOKUP_FAST)
@@ -87,7 +84,8 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
 }
 
 LodenHit loden_find_hit(LodenMaterial m, vec2 x, vec2 dx, vec2 dy, vec3 wo_ts) {
-  return loden_find_hit_at(m, x, loden_lambda_from_footprint(dx, dy) + m.lambda_bias, wo_ts);
+  float lambda = m.distance_ > 0.0 ? loden_lambda_from_distance(m.distance_) : loden_lambda_from_footprint(dx, dy);
+  return loden_find_hit_at(m, x, lambda + m.lambda_bias, wo_ts);
 }
 
 // (Y, Cb, Cr) of the fitted mean (LBTF eqs. 5, 6).

@@ -24,15 +24,15 @@
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding
 #define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer
 
-// Bits of LodenBandData.layout.x
+// Bits of LodenBandData.layout_.x
 #define LODEN_BAND_FLAT 1     // weights are read at p, else at x
 #define LODEN_BAND_LINEAR 2   // filtered weights, else nearest
-#define LODEN_BAND_GRID 4     // grid table, else nearest sampled pair
-#define LODEN_BAND_RATIO 8    // one more layer of weights: Cb/Y and Cr/Y
+#define LODEN_BAND_RATIO 4    // one more layer of weights: Cb/Y and Cr/Y
 // Bits of LodenMaterialData.flags.x
 #define LODEN_MEAN_RATIO 1            // the mean's chroma is a multiple of its Y
 #define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
 #define LODEN_IDENTITY 4              // P.xy == p: no closest-point volume
+#define LODEN_CLAMP_LAMBDA 8          // mode lod: beyond the last level the last level stays (LBTF 3.4, step 2)
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>

@@ -208,7 +208,7 @@ LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
 #ifdef LODEN_LOOKUP_PAPER
 // The published lookup (FBTF 3.5): blended over directions, reference unfiltered; 2 fetches.
 vec2 loden_paper_vdim_lookup(vec2 x, vec3 wo) {
-  float side = loden_material.surface.y;
+  float side = float(textureSize(loden_paper_reference, 0).x);
   vec2 texel = min(floor((x - floor(x)) * side), vec2(side - 1.0));
   LODEN_COUNT(2);
   vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper.x;

@@ -402,6 +402,7 @@ TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
       {"kMaxSide", Limits::kMaxSide},           {"kMaxBands", Limits::kMaxBands},
       {"kMaxQuads", Limits::kMaxQuads},         {"kMaxDirections", Limits::kMaxDirections},
       {"kMaxGridSide", Limits::kMaxGridSide},   {"kMaxLambda", Limits::kMaxLambda},
+      {"kMaxGeometrySide", Limits::kMaxGeometrySide}, {"kMaxTilePeriods", Limits::kMaxTilePeriods},
       {"kMaxNameBytes", Limits::kMaxNameBytes}, {"kMaxHeadBytes", Limits::kMaxHeadBytes},
       {"kMaxMetaBytes", Limits::kMaxMetaBytes}, {"kMaxChunkBytes", Limits::kMaxChunkBytes},
       {"kMaxRatio", Limits::kMaxRatio},         {"kTableEnd", Limits::kTableEnd},

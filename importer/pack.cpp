@@ -1,7 +1,10 @@
 #include "importer/pack.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 
 #include "importer/gltf/gltf_document.h"
@@ -31,7 +34,7 @@ Result<int> findMaterial(const Json& scene, const PackOptions& options) {
   std::string names;
   for (size_t m = 0; m < arraySize(scene, "materials"); ++m) {
     const Json& material = scene["materials"][m];
-    const std::string name = material.is_object() ? material.value("name", std::string()) : std::string();
+    const std::string name = material.value("name", std::string());
     if (name == options.material) return static_cast<int>(m);
     names += (names.empty() ? "" : ", ") + ("'" + name + "'");
   }
@@ -98,34 +101,62 @@ void declareUsed(Json& scene) {
   if (std::find(used.begin(), used.end(), kExtensionName) == used.end()) used.push_back(kExtensionName);
 }
 
-Status copyFile(const fs::path& from, const fs::path& to, PackReport& report) {
+// Files to copy, found out before the first one is: what fails, fails with nothing written.
+struct Copy {
+  fs::path from, to;
+};
+using Copies = std::vector<Copy>;
+
+// Nothing stands at `to`, or the same bytes.
+bool isFree(const fs::path& to, const std::string& bytes) {
   std::error_code error;
-  if (fs::equivalent(from, to, error)) return {};
-  const auto bytes = bytesOf(from);
+  if (!fs::exists(to, error)) return true;
+  const auto present = bytesOf(to);
+  return present && *present == bytes;
+}
+
+Status copyFile(const Copy& copy, PackReport& report) {
+  std::error_code error;
+  if (fs::equivalent(copy.from, copy.to, error)) return {};
+  const auto bytes = bytesOf(copy.from);
   if (!bytes) return bytes.issue();
-  fs::create_directories(to.parent_path(), error);
-  if (Status status = writeFileAtomically(to, std::as_bytes(std::span(*bytes))); !status) return status;
-  report.files.push_back(to);
+  fs::create_directories(copy.to.parent_path(), error);
+  if (Status status = writeFileAtomically(copy.to, std::as_bytes(std::span(*bytes))); !status) return status;
+  report.files.push_back(copy.to);
   return {};
 }
 
 // Buffers and images by uri go where the output looks for them.
-Status copyResources(const Json& scene, const PackOptions& options, PackReport& report) {
+Status planResources(const Json& scene, const PackOptions& options, Copies& copies) {
   const fs::path from = options.scene.parent_path(), to = options.output.parent_path();
   for (const char* list : {"buffers", "images"})
     for (size_t i = 0; i < arraySize(scene, list); ++i) {
-      const Json& item = scene[list][i];
-      const std::string uri = item.is_object() ? item.value("uri", std::string()) : std::string();
+      const std::string uri = scene[list][i].value("uri", std::string());
       if (uri.empty() || isDataUri(uri)) continue;
       const auto path = confinedPath(uri, options.scene.string() + ": " + list + "[" + std::to_string(i) + "].uri");
       if (!path) return path.issue();
-      if (Status status = copyFile(from / *path, to / *path, report); !status) return status;
+      std::error_code error;
+      if (fs::equivalent(from / *path, to / *path, error)) continue;
+      const auto bytes = bytesOf(from / *path);
+      if (!bytes) return bytes.issue();
+      if (!isFree(to / *path, *bytes))
+        return Issue{issue_id::kExists, Severity::kError, (to / *path).string(),
+                     "is another file than the scene's own; choose another folder for the output"};
+      copies.push_back({from / *path, to / *path});
     }
   return {};
 }
 
+// <stem>-<8 digits of the bytes' hash>.loden
+fs::path hashedName(const fs::path& path, const std::string& bytes) {
+  char digits[12];
+  std::snprintf(digits, sizeof digits, "-%08x", static_cast<unsigned>(XXH3_64bits(bytes.data(), bytes.size()) >> 32));
+  return path.stem().string() + digits + path.extension().string();
+}
+
 // The asset as an entry of the root extension: embedded, or by uri with the file where the uri points.
-Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, const std::string& bytes, PackReport& report) {
+Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, const std::string& bytes, Copies& copies,
+                            PackReport& report) {
   if (options.embed) {
     const int64_t view = embedBytes(document, bytes);
     report.asset_reference = "bufferView " + std::to_string(view);
@@ -133,8 +164,13 @@ Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, 
   }
   const fs::path folder = fs::absolute(options.output).parent_path();
   fs::path relative = fs::absolute(options.asset).lexically_normal().lexically_relative(folder.lexically_normal());
-  if (relative.empty() || *relative.begin() == "..") relative = options.asset.filename();
-  if (const Status status = copyFile(options.asset, folder / relative, report); !status) return status.issue();
+  if (relative.empty() || *relative.begin() == "..") {
+    relative = options.asset.filename();
+    if (!isFree(folder / relative, bytes)) relative = hashedName(relative, bytes);
+    if (!isFree(folder / relative, bytes))
+      return Issue{issue_id::kExists, Severity::kError, (folder / relative).string(), "is another file; choose another folder for the output"};
+    copies.push_back({options.asset, folder / relative});
+  }
   report.asset_reference = uriFromPath(relative);
   return Json{{"uri", report.asset_reference}};
 }
@@ -157,6 +193,7 @@ Result<PackReport> pack(const PackOptions& options) {
   if (document->binary != (options.output.extension() == ".glb"))
     return Issue{issue_id::kVersion, Severity::kError, options.output.string(),
                  "must be the same kind of file as the scene: .gltf to .gltf, .glb to .glb"};
+  if (const auto wrong = wrongTypes(document->json, options.scene.string()); !wrong.empty()) return wrong.front();
   const auto asset_bytes = bytesOf(options.asset);
   if (!asset_bytes) return asset_bytes.issue();
   const auto asset = parseAsset(std::as_bytes(std::span(*asset_bytes)), options.asset.string());
@@ -166,8 +203,9 @@ Result<PackReport> pack(const PackOptions& options) {
 
   PackReport report;
   report.material = *index;
-  if (const Status status = copyResources(document->json, options, report); !status) return status.issue();
-  const auto entry = referenceAsset(*document, options, *asset_bytes, report);
+  Copies copies;
+  if (const Status status = planResources(document->json, options, copies); !status) return status.issue();
+  const auto entry = referenceAsset(*document, options, *asset_bytes, copies, report);
   if (!entry) return entry.issue();
   const int64_t asset_index = assetIndex(document->json, *entry);
   Json& material = document->json["materials"][*index];
@@ -176,6 +214,8 @@ Result<PackReport> pack(const PackOptions& options) {
   if (report.fallback_fitted) material["pbrMetallicRoughness"] = fittedFallback(*asset);
   declareUsed(document->json);
 
+  for (const Copy& copy : copies)
+    if (const Status status = copyFile(copy, report); !status) return status.issue();
   const std::string packed = serializeGltf(*document);
   if (const Status status = writeFileAtomically(options.output, std::as_bytes(std::span(packed))); !status) return status.issue();
   report.files.push_back(options.output);

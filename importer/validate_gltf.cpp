@@ -19,6 +19,7 @@ class SceneCheck {
   SceneCheck(const fs::path& path, const GltfDocument& document) : path_(path), document_(document), json_(document.json) {}
 
   std::vector<Issue> run() {
+    issues_ = wrongTypes(json_, path_.string());
     checkRequired();
     checkBufferViews();
     checkAccessors();

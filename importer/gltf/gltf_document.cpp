@@ -78,7 +78,60 @@ std::string percentDecoded(const std::string& uri) {
   return text;
 }
 
+// Collects members of another type than expected, with their place.
+class TypeCheck {
+ public:
+  using Json = nlohmann::ordered_json;
+  explicit TypeCheck(const std::string& name) : name_(name) {}
+
+  void list(const Json& object, const std::string& place, const char* key, bool (Json::*type)() const noexcept, const char* wanted) {
+    const Json* items = member(object, place, key, &Json::is_array, "an array");
+    for (size_t i = 0; items && i < items->size(); ++i)
+      expect((*items)[i], place + key + "[" + std::to_string(i) + "]", type, wanted);
+  }
+  // The member if it is there and of the type.
+  const Json* member(const Json& object, const std::string& place, const char* key, bool (Json::*type)() const noexcept,
+                     const char* wanted) {
+    if (!object.is_object()) return nullptr;  // said of the object itself
+    const auto found = object.find(key);
+    if (found == object.end() || !expect(*found, place + key, type, wanted)) return nullptr;
+    return &*found;
+  }
+  std::vector<Issue> issues;
+
+ private:
+  bool expect(const Json& value, const std::string& place, bool (Json::*type)() const noexcept, const char* wanted) {
+    if ((value.*type)()) return true;
+    issues.push_back(issueAt(issue_id::kGltfParse, name_ + ": " + place, std::string("must be ") + wanted + ", not " + value.type_name()));
+    return false;
+  }
+
+  const std::string& name_;
+};
+
 }  // namespace
+
+std::vector<Issue> wrongTypes(const nlohmann::ordered_json& scene, const std::string& name) {
+  using Json = nlohmann::ordered_json;
+  TypeCheck check(name);
+  for (const char* list : {"materials", "meshes", "buffers", "bufferViews", "images", "accessors"})
+    check.list(scene, "", list, &Json::is_object, "an object");
+  for (const char* list : {"extensionsUsed", "extensionsRequired"})
+    check.list(scene, "", list, &Json::is_string, "a string");
+  const auto eachOf = [&](const char* list, const auto& visit) {
+    for (size_t i = 0; i < arraySize(scene, list); ++i) visit(scene[list][i], std::string(list) + "[" + std::to_string(i) + "].");
+  };
+  eachOf("materials", [&](const Json& material, const std::string& place) {
+    check.member(material, place, "name", &Json::is_string, "a string");
+    check.member(material, place, "extensions", &Json::is_object, "an object");
+  });
+  for (const char* list : {"buffers", "images"})
+    eachOf(list, [&](const Json& item, const std::string& place) { check.member(item, place, "uri", &Json::is_string, "a string"); });
+  if (const Json* extensions = check.member(scene, "", "extensions", &Json::is_object, "an object"))
+    if (const Json* ours = check.member(*extensions, "extensions.", kExtensionName, &Json::is_object, "an object"))
+      check.list(*ours, "extensions." + std::string(kExtensionName) + ".", "assets", &Json::is_object, "an object");
+  return std::move(check.issues);
+}
 
 Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name) {
   GltfDocument document;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "material/result.h"
 
@@ -24,6 +25,10 @@ struct GltfDocument {
 Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name);
 // Complete file: JSON with two spaces of indentation, or GLB with both chunks padded to four bytes.
 std::string serializeGltf(const GltfDocument& document);
+
+// Members that are there but have not the type that glTF gives them, of those that pack edits and validate reads
+// (kGltfParse); after none, they can be used without asking again.
+std::vector<Issue> wrongTypes(const nlohmann::ordered_json& scene, const std::string& name);
 
 // Index into an array member, or -1 if there is no such non-negative integer member.
 int64_t integerMember(const nlohmann::ordered_json& object, const char* key);

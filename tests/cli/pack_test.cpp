@@ -107,6 +107,69 @@ TEST(Pack, ToAnotherFolder_TakesTheBuffersAlong) {
   EXPECT_TRUE(std::filesystem::exists(scratch / "far/material.loden"));
 }
 
+TEST(Pack, SecondAssetOfTheSameName_GetsANameOfItsOwn) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ScratchFolder elsewhere;  // outside the scene's folder: the asset is copied
+  const std::string other = elsewhere / "material.loden";
+  ASSERT_EQ(packTo(scratch, "first.gltf").exit_code, 0);
+  ASSERT_EQ(loden({"cook", sharedBake(), "-o", other, "--mode", "surface", "-q"}).exit_code, 0);
+  for (int times = 0; times < 2; ++times) {
+    const ToolRun run = loden({"pack", scratch / "first.gltf", "--material", "Other", "--asset", other, "-o", scratch / "second.gltf"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  EXPECT_EQ(fileText(scratch / "material.loden"), fileText(sharedAsset()));
+  const Json assets = Json::parse(fileText(scratch / "second.gltf"))["extensions"][kExtension]["assets"];
+  ASSERT_EQ(assets.size(), 2u);
+  EXPECT_EQ(fileText(scratch / assets[1]["uri"].get<std::string>()), fileText(other));
+  EXPECT_EQ(loden({"validate", scratch / "second.gltf"}).exit_code, 0);
+}
+
+TEST(Pack, OtherFileInTheWay_IsRefused) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  std::filesystem::create_directories(scratch / "far");
+  writeText(scratch / "far/scene.bin", "mine");
+  const ToolRun run = packTo(scratch, "far/out.gltf");
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_EQ(fileText(scratch / "far/scene.bin"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(scratch / "far/material.loden"));
+}
+
+TEST(Pack, MembersOfAnotherType_AreIssuesWithTheirPlace) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  std::filesystem::create_directories(scratch / "far");
+  const std::string good = fileText(scratch / "scene.gltf");
+  struct Case {
+    std::string from, to, place;
+  };
+  const std::vector<Case> cases{
+      {"\"name\": \"Cloth\"", "\"name\": 5", "materials[0].name"},
+      {"\"name\": \"Cloth\"", "\"name\": \"Cloth\", \"extensions\": []", "materials[0].extensions"},
+      {"\"scene\": 0", "\"extensions\": []", "extensions"},
+      {"\"scene\": 0", "\"extensions\": {\"LODEN_materials_flat_btf\": 3}", "extensions.LODEN_materials_flat_btf"},
+      {"\"uri\": \"scene.bin\"", "\"uri\": 5", "buffers[0].uri"},
+      {"[\"VENDOR_thing\"]", "{}", "extensionsUsed"},
+      {"\"scene\": 0", "\"images\": [4]", "images[0]"},
+  };
+  for (const auto& [from, to, place] : cases) {
+    SCOPED_TRACE(to);
+    std::string text = good;
+    ASSERT_NE(text.find(from), std::string::npos);
+    writeText(scratch / "scene.gltf", text.replace(text.find(from), from.size(), to));
+    const ToolRun pack = packTo(scratch, "far/out.gltf"), validate = loden({"validate", scratch / "scene.gltf", "--format", "json"});
+    EXPECT_EQ(pack.exit_code, 3) << pack.err;
+    EXPECT_NE(pack.err.find(place + ": "), std::string::npos) << pack.err;
+    EXPECT_TRUE(std::filesystem::is_empty(scratch / "far"));
+    EXPECT_EQ(validate.exit_code, 3) << validate.err;
+    const Json issues = Json::parse(validate.out, nullptr, false)["issues"];
+    bool found = false;
+    for (const Json& issue : issues) found |= issue["id"] == 5001 && issue.dump().find(place) != std::string::npos;
+    EXPECT_TRUE(found) << validate.out;
+  }
+}
+
 TEST(Pack, UnknownMaterial_NamesTheKnownOnes) {
   const ScratchFolder scratch;
   writeScene(scratch.path());

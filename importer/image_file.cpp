@@ -2,6 +2,7 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include "importer/temporary_file.h"
 #include "material/check.h"
 #include "material/issues.h"
 
@@ -34,18 +35,16 @@ Issue cannotWrite(const fs::path& path, const std::string& why) {
 
 Status writeImage(const fs::path& path, int width, int height, int channels, PixelType type, std::span<const float> pixels) {
   LODEN_CHECK_EQ(pixels.size(), size_t(width) * size_t(height) * size_t(channels));
-  const fs::path temporary = temporaryName(path);
-  const auto output = OIIO::ImageOutput::create(temporary.string());
+  TemporaryFile temporary(temporaryName(path));
+  const auto output = OIIO::ImageOutput::create(temporary.path().string());
   if (!output) return cannotWrite(path, OIIO::geterror());
   OIIO::ImageSpec spec(width, height, channels, oiioType(type));
   spec.attribute("DateTime", "1970:01:01 00:00:00");  // else the writing time: equal bakes have equal bytes
   if (path.extension() == ".exr") spec.attribute("compression", "zip:1");
-  if (!output->open(temporary.string(), spec)) return cannotWrite(path, output->geterror());
+  if (!output->open(temporary.path().string(), spec)) return cannotWrite(path, output->geterror());
   const bool written = output->write_image(OIIO::TypeDesc::FLOAT, pixels.data());
   if (!output->close() || !written) return cannotWrite(path, output->geterror());
-  std::error_code error;
-  fs::rename(temporary, path, error);
-  if (error) return cannotWrite(path, error.message());
+  if (const std::error_code error = temporary.renameTo(path)) return cannotWrite(path, error.message());
   return {};
 }
 

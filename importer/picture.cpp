@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "importer/temporary_file.h"
 #include "material/color.h"
 #include "material/issues.h"
 
@@ -81,24 +82,17 @@ Status writePicture(const Picture& picture, const std::filesystem::path& path) {
   const bool integer = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
   if (!integer && extension != ".exr" && extension != ".hdr")
     return Issue{issue_id::kOption, Severity::kError, path.string(), "output must end in .exr, .hdr, .png or .jpg"};
-  std::filesystem::path temporary = path;
-  temporary.replace_extension(".tmp" + extension);
-  const auto output = OIIO::ImageOutput::create(temporary.string());
+  TemporaryFile temporary(std::filesystem::path(path).replace_extension(".tmp" + extension));
+  const auto output = OIIO::ImageOutput::create(temporary.path().string());
   const int channels = extension == ".exr" ? 4 : 3;
   OIIO::ImageSpec spec(picture.width, picture.height, channels, integer ? OIIO::TypeUInt8 : OIIO::TypeFloat);
   if (integer) spec.attribute("oiio:ColorSpace", "sRGB");
   const Issue cannot{issue_id::kCannotWrite, Severity::kError, path.string(),
                      "cannot be written; does the folder exist, and is there room?"};
-  std::error_code error;
-  if (!output || !output->open(temporary.string(), spec)) return cannot;
+  if (!output || !output->open(temporary.path().string(), spec)) return cannot;
   const bool written = integer ? output->write_image(OIIO::TypeUInt8, rgb8From(picture).data())
                                : output->write_image(OIIO::TypeFloat, picture.pixels.data(), sizeof(glm::vec4));
-  if (!output->close() || !written) {
-    std::filesystem::remove(temporary, error);
-    return cannot;
-  }
-  std::filesystem::rename(temporary, path, error);
-  if (error) return cannot;
+  if (!output->close() || !written || temporary.renameTo(path)) return cannot;
   return {};
 }
 

@@ -24,6 +24,15 @@ void removeParts(const fs::path& folder) {
   for (const char* part : kParts) fs::remove_all(folder / part, error);
 }
 
+// A folder or file of a part's name that is no bake's, and holds something.
+std::string foreignPart(const fs::path& folder) {
+  for (const char* part : kParts) {
+    std::error_code error;
+    if (fs::exists(folder / part, error) && !fs::is_empty(folder / part, error)) return part;
+  }
+  return {};
+}
+
 std::string processSuffix() { return ".tmp" + std::to_string(getpid()); }
 
 // The manifest text in the folder, of a finished or unfinished bake; empty if there is none.
@@ -51,8 +60,12 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
                  "holds a bake of another tile or with other options; choose an empty folder, or bake without --resume and --shard"};
   std::error_code error;
   const bool fresh = present != wanted;
+  if (const std::string part = present.empty() ? foreignPart(folder) : std::string(); !part.empty())
+    return Issue{issue_id::kExists, Severity::kError, (folder / part).string(),
+                 "is not of a bake (no bake.json beside it) and would be overwritten; choose an empty folder"};
+  // Renamed, not removed: a folder with parts is known as a bake's at any time.
+  if (!shared || fresh) fs::rename(finishedPath(folder), unfinishedPath(folder), error);
   if (fresh) removeParts(folder);
-  if (!shared || fresh) fs::remove(finishedPath(folder), error);
   for (const char* part : kParts) {
     fs::create_directories(folder / part, error);
     if (error)

@@ -22,12 +22,13 @@ class ObjReader {
 
  private:
   Status readLine(const std::string& keyword, std::istringstream& line);
+  Result<std::vector<double>> numbers(std::istringstream& line, size_t least, size_t most, const std::string& where) const;
   Status readFace(std::istringstream& line);
   Result<uint32_t> vertex(const std::string& corner);
   Status readMaterials(const std::string& file);
-  Issue refuse(int id, const std::string& why) const {
-    return {id, Severity::kError, path_.string() + ": line " + std::to_string(line_), why};
-  }
+  Status readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where, glm::vec3& specular, LocalBrdf& brdf) const;
+  std::string here() const { return path_.string() + ": line " + std::to_string(line_); }
+  Issue refuse(int id, const std::string& why) const { return {id, Severity::kError, here(), why}; }
 
   const fs::path path_;
   int line_ = 0;
@@ -54,22 +55,31 @@ Result<PolygonMesh> ObjReader::read(const std::string& text) {
   return std::move(mesh_);
 }
 
+// The numbers at the start of the rest of the line: `most` of them, those from `least` on 0 where the line ends
+// before them.
+Result<std::vector<double>> ObjReader::numbers(std::istringstream& line, size_t least, size_t most, const std::string& where) const {
+  const auto issue = [&](const std::string& text) { return Issue{issue_id::kTileGeometry, Severity::kError, where, text}; };
+  std::vector<double> values;
+  // As text first: streams refuse "nan", which must be reported as such, with its vertex.
+  for (std::string token; values.size() < most && line >> token;) {
+    char* end = nullptr;
+    values.push_back(std::strtod(token.c_str(), &end));
+    if (end == token.c_str() || *end != '\0') return issue("'" + token + "' is not a number");
+  }
+  if (values.size() < least) return issue("has " + std::to_string(values.size()) + " numbers and needs " + std::to_string(least));
+  values.resize(most, 0.0);
+  return values;
+}
+
 Status ObjReader::readLine(const std::string& keyword, std::istringstream& line) {
-  // Numbers as text first: streams refuse "nan", which must be reported as such, with its vertex.
-  const auto number = [&line] {
-    std::string token;
-    line >> token;
-    return token.empty() ? 0.0 : std::strtod(token.c_str(), nullptr);
-  };
-  if (keyword == "v") {
-    const double x = number(), y = number();
-    positions_.push_back({x, y, number()});
+  if (keyword == "v" || keyword == "vn") {
+    const auto xyz = numbers(line, 3, 3, here());
+    if (!xyz) return xyz.issue();
+    (keyword == "v" ? positions_ : normals_).push_back({(*xyz)[0], (*xyz)[1], (*xyz)[2]});
   } else if (keyword == "vt") {
-    const double u = number();
-    uvs_.push_back({u, number()});
-  } else if (keyword == "vn") {
-    const double x = number(), y = number();
-    normals_.push_back({x, y, number()});
+    const auto uv = numbers(line, 1, 2, here());
+    if (!uv) return uv.issue();
+    uvs_.push_back({(*uv)[0], (*uv)[1]});
   } else if (keyword == "f") {
     return readFace(line);
   } else if (keyword == "mtllib") {
@@ -96,7 +106,8 @@ Result<uint32_t> ObjReader::vertex(const std::string& corner) {
     if (key[k] < 0) key[k] += long(counts[k]) + 1;
     if (key[k] < 0 || key[k] > long(counts[k]) || (k == 0 && key[k] == 0))
       return refuse(issue_id::kTileGeometry, "'" + corner + "' names a vertex that does not exist");
-    if (*end != '/') break;
+    if (*end != '/' && *end != '\0') return refuse(issue_id::kTileGeometry, "'" + corner + "' is no vertex of a face");
+    if (*end == '\0') break;
     at = end + 1;
   }
   const auto [entry, added] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
@@ -130,7 +141,9 @@ Status ObjReader::readMaterials(const std::string& file) {
   std::istringstream lines(*text);
   LocalBrdf* brdf = nullptr;
   glm::vec3 specular(0);
+  int number = 0;
   for (std::string text_line; std::getline(lines, text_line);) {
+    const std::string where = (path_.parent_path() / *relative).string() + ": line " + std::to_string(++number);
     std::istringstream line(text_line);
     std::string keyword;
     line >> keyword;
@@ -141,11 +154,23 @@ Status ObjReader::readMaterials(const std::string& file) {
       specular = glm::vec3(0);
     }
     if (!brdf) continue;
-    if (keyword == "Kd") line >> brdf->diffuse.x >> brdf->diffuse.y >> brdf->diffuse.z;
-    if (keyword == "Ks") line >> specular.x >> specular.y >> specular.z;
-    if (keyword == "Ns") line >> brdf->exponent;
-    brdf->specular = luminance(specular) * lobePeak(brdf->exponent);
+    if (const Status status = readMaterialLine(keyword, line, where, specular, *brdf); !status) return status;
   }
+  return {};
+}
+
+Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where,
+                                   glm::vec3& specular, LocalBrdf& brdf) const {
+  if (keyword == "Kd" || keyword == "Ks") {
+    const auto rgb = numbers(line, 3, 3, where);
+    if (!rgb) return rgb.issue();
+    (keyword == "Kd" ? brdf.diffuse : specular) = glm::vec3((*rgb)[0], (*rgb)[1], (*rgb)[2]);
+  } else if (keyword == "Ns") {
+    const auto exponent = numbers(line, 1, 1, where);
+    if (!exponent) return exponent.issue();
+    brdf.exponent = static_cast<float>((*exponent)[0]);
+  }
+  brdf.specular = luminance(specular) * lobePeak(brdf.exponent);
   return {};
 }
 

@@ -45,7 +45,7 @@ class BakeCommand : public Command {
   std::string_view summary() const override { return "Bake a tile: BTF, Flat-BTF, VDIM and surface maps into a folder"; }
 
   void declare(Options& options) override {
-    options.text("tile", tile_, "builtin:button|isba|pulli|sponge, or a .gltf, .glb or .obj file of one period with UVs", true);
+    options.text("tile", tile_, "builtin:button|isba|pulli|sponge, or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, "Folder to fill", true);
     options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
     options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
@@ -95,6 +95,8 @@ class BakeCommand : public Command {
     if (std::sscanf(shard_.c_str(), "%d/%d%n", &bake_.shard, &bake_.shards, &used) != 2 ||
         used != static_cast<int>(shard_.size()) || bake_.shards < 1 || bake_.shard < 0 || bake_.shard >= bake_.shards)
       return optionIssue("--shard", "'" + shard_ + "' is not I/N with 0 <= I < N");
+    if (layout_ == "bonn" && bake_.shards > 1)
+      return optionIssue("--layout bonn", "needs the whole bake; bake the shards first, then once more with --resume and --layout bonn");
     return {};
   }
 

@@ -11,6 +11,29 @@ Issue missing(const BakedOutput& input, const char* what, const char* maps) {
           std::string("holds no ") + what + "; bake it with --maps " + maps};
 }
 
+// Refuses options that the mode would ignore. Names are the command line's.
+Status checkOptions(const CookOptions& o) {
+  const auto refuse = [](const char* option, const char* why) -> Status {
+    return Issue{issue_id::kOption, Severity::kError, option, why};
+  };
+  const bool goal = o.max_bytes > 0 || o.target_rmse > 0, chroma = o.cb_components > 0 || o.cr_components > 0;
+  const char* goal_option = o.max_bytes > 0 ? "--max-bytes" : "--target-rmse";
+  if (!(o.target_rmse >= 0)) return refuse("--target-rmse", "must not be negative");
+  if (goal && o.mode != Mode::kFused) return refuse(goal_option, "has a meaning with --mode fused only");
+  if (goal && (o.y_components > 0 || o.preset != Preset::kGame))
+    return refuse(goal_option, "chooses the components itself; give it without --components and --preset");
+  if (o.mode == Mode::kSurface && (o.levels > 0 || o.y_components > 0 || chroma))
+    return refuse(o.levels > 0 ? "--levels" : "--components", "has no meaning with --mode surface, which has no bands");
+  if (o.mode == Mode::kFused && o.levels > 0) return refuse("--levels", "has no meaning with --mode fused, which has all levels");
+  if (o.mode == Mode::kFused && chroma)
+    return refuse("--components", "CB and CR must be 0 with --mode fused, which stores chroma as a ratio to Y");
+  if (o.mode == Mode::kFused && o.preset == Preset::kSeed)
+    return refuse("--preset seed", "reproduces the paper's level-of-detail material; add --mode lod");
+  if (o.mode == Mode::kLod && o.preset == Preset::kGame && (o.cb_components > 0) != (o.cr_components > 0))
+    return refuse("--components", "CB and CR must both be 0 or both be positive");
+  return {};
+}
+
 }  // namespace
 
 Result<GeometryImage> geometryOf(const BakedOutput& input, int side) {
@@ -41,6 +64,7 @@ Result<GeometryImage> geometryOf(const BakedOutput& input, int side) {
 }
 
 Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
+  if (const Status status = checkOptions(options); !status) return status.issue();
   const BakeManifest& manifest = input.manifest();
   if (options.mode != Mode::kSurface && !manifest.has_btf) return missing(input, "BTF", "btf");
   if (options.mode != Mode::kLod && !manifest.has_surface) return missing(input, "geometry", "surface");
@@ -54,6 +78,7 @@ Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
 Result<Material> cook(const BtfSource& input, const CookOptions& options) {
   if (options.mode != Mode::kLod)
     return Issue{issue_id::kOption, Severity::kError, input.name(), "has no meso-geometry; cook it with --mode lod"};
+  if (const Status status = checkOptions(options); !status) return status.issue();
   if (input.size().x != input.size().y)
     return Issue{issue_id::kMeasured, Severity::kError, input.name(), "is not square"};
   return cookLod(input, options);

@@ -23,7 +23,7 @@ struct CookOptions {
   bool quiet = false;
 };
 
-// Deterministic at any number of threads.
+// Deterministic at any number of threads. Options that the mode would ignore are refused (kOption).
 Result<Material> cook(const BakedOutput& input, const CookOptions& options);
 // A BTF without meso-geometry, for example a measured one: mode lod only.
 Result<Material> cook(const BtfSource& input, const CookOptions& options);

@@ -50,7 +50,8 @@ class Options {
   void flag(const std::string& names, bool& value, const std::string& help);
   // One of the given words.
   void choice(const std::string& names, std::string& value, const std::vector<std::string>& words,
-              const std::string& help);
+              const std::string& help, bool required = false);
+  // Commas between, or the option several times.
   void texts(const std::string& names, std::vector<std::string>& value, const std::string& help);
   // Shown under the options.
   void footer(const std::string& text);

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <new>
 
@@ -76,6 +77,9 @@ void Options::bytes(const std::string& names, uint64_t& value, const std::string
 
 void Options::number(const std::string& names, double& value, const std::string& help) {
   auto* option = impl_.app->add_option(names, value, help)->type_name("X");
+  option->check([](const std::string& text) {
+    return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is not a number" : std::string();
+  });
   if (!std::isnan(value)) option->capture_default_str();
 }
 
@@ -84,12 +88,12 @@ void Options::flag(const std::string& names, bool& value, const std::string& hel
 }
 
 void Options::choice(const std::string& names, std::string& value, const std::vector<std::string>& words,
-                     const std::string& help) {
-  impl_.app->add_option(names, value, help)->check(CLI::IsMember(words))->capture_default_str();
+                     const std::string& help, bool required) {
+  require(impl_.app->add_option(names, value, help), required)->check(CLI::IsMember(words))->capture_default_str();
 }
 
 void Options::texts(const std::string& names, std::vector<std::string>& value, const std::string& help) {
-  impl_.app->add_option(names, value, help)->delimiter(',');
+  impl_.app->add_option(names, value, help)->delimiter(',')->allow_extra_args(false);  // else it takes the positional, too
 }
 
 void Options::footer(const std::string& text) { impl_.app->footer("\n" + text); }

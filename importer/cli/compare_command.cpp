@@ -158,7 +158,7 @@ class CompareCommand : public Command {
     const bool higher_is_better = metric_ == "psnr";
     const double value = metric_ == "rmse" ? sums.y().rmse : metric_ == "mae" ? sums.y().mae
                          : metric_ == "lab" ? sums.labMean() : metric_ == "flip" ? flip_mean : sums.psnr();
-    const bool failed = !std::isnan(fail_) && (higher_is_better ? value < fail_ : value > fail_);
+    const bool failed = !std::isnan(fail_) && !(higher_is_better ? value >= fail_ : value <= fail_);  // NaN fails
     if (globals.json) {
       if (!std::isnan(fail_)) json["fail"] = {{"metric", metric_}, {"limit", fail_}, {"value", value}, {"failed", failed}};
       printJson("compare", json);

@@ -67,7 +67,7 @@ class CookCommand : public Command {
     cook_.preset = preset_ == "seed" ? Preset::kSeed : preset_ == "reference" ? Preset::kReference : Preset::kGame;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
-    if (cook_.target_rmse < 0)
+    if (!(cook_.target_rmse >= 0))
       return Issue{issue_id::kOption, Severity::kError, "--target-rmse", "must not be negative"};
     if (components_.empty()) return {};
     const auto numbers = parseNumbers("--components", components_, 3);

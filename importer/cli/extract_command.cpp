@@ -114,7 +114,7 @@ class ExtractCommand : public Command {
     const Evaluator evaluator(*material, {}, globals.threads);
     const Lookup lookup = lookup_ == "fast" ? Lookup::kFast : lookup_ == "paper" ? Lookup::kPaper
                           : lookup_ == "none" ? Lookup::kNone : Lookup::kDefault;
-    const int side = side_ > 0 ? side_ : std::max(1, material->side >> static_cast<int>(lambda_));
+    const int side = side_ > 0 ? side_ : std::max(1, material->side >> std::min(31, static_cast<int>(lambda_)));
     const MaterialSampling sampling{side, lambda_, lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
     report_ = {{"input", input_.string()}, {"kind", "decoded"}, {"domain", domain_}, {"lambda", lambda_}};
     reportDirection("light", light);

@@ -18,8 +18,7 @@ class StudyCommand : public Command {
       list += "  " + std::string(study.name) + std::string(24 - std::min<size_t>(23, study.name.size()), ' ') +
               std::string(study.summary) + "\n";
     }
-    study_ = names.front();
-    options.choice("name", study_, names, "Which study");
+    options.choice("name", study_, names, "Which study", true);
     options.texts("--tile", tiles_, "Tiles; default: button, isba, pulli, sponge");
     options.integer("--size", study_options_.size, "Reference texels per side", 4, 1024);
     options.path("--json", json_, "Write the rows as JSON to this file");

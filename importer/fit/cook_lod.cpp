@@ -115,6 +115,11 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
 }  // namespace
 
 Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
+  const int most = fullMipCount(source.size().x, source.size().x);
+  if (options.levels > most)
+    return Issue{issue_id::kOption, Severity::kError, "--levels",
+                 std::to_string(options.levels) + " are more than the " + std::to_string(most) + " that a side of " +
+                     std::to_string(source.size().x) + " has"};
   return options.preset == Preset::kSeed ? cookSeed(source, btf, options) : cookMipMapped(source, btf, options);
 }
 

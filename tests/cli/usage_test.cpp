@@ -68,6 +68,19 @@ TEST(Cli, BadValues_AreUsage) {
       {"extract", sharedAsset(), "-o", out + ".xyz"},
       {"trace", "builtin:pulli", "-o", out + ".exr", "--size", "800"},
       {"study", "no-such-study"},
+      {"study"},
+      {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--shard", "0/2"},
+      {"compare", sharedBake(), sharedAsset(), "--fail", "nan"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "nan"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--max-bytes", "600k"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--levels", "16"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--components", "4,2,0"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "surface", "--levels", "3"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "surface", "--components", "4,0,0"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--levels", "3"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--components", "4,2,2"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--preset", "seed"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--components", "4,0,0", "--max-bytes", "600k"},
   };
   for (const auto& arguments : runs) {
     const ToolRun run = loden(arguments);

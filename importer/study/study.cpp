@@ -47,7 +47,10 @@ Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& ti
   const bool baked_before = std::filesystem::exists(folder / "bake.json");
   if (baked_before) {
     auto baked = BakedOutput::open(folder);
-    if (!baked || baked->manifest().input_hash == tileHash(*loaded)) return baked;
+    if (!baked) return baked;
+    const BakeManifest& m = baked->manifest();
+    const bool same_size = m.size == options.size && m.flat_size == (flat_size ? flat_size : options.size);
+    if (same_size && m.directions.samples == bonn81Directions().samples && m.input_hash == tileHash(*loaded)) return baked;
   }
   BakeOptions bake_options;
   bake_options.size = options.size;
@@ -55,7 +58,7 @@ Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& ti
   bake_options.maps.btf = bake_options.maps.vdim = !own_flat_size;
   bake_options.threads = options.threads;
   bake_options.quiet = options.quiet;
-  bake_options.resume = !baked_before;  // what stands there is of another tile
+  bake_options.resume = !baked_before;  // what stands there is of another tile or size
   const auto report = bake(*loaded, name, folder, bake_options);
   if (!report) return report.issue();
   return BakedOutput::open(folder);

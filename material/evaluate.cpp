@@ -127,7 +127,20 @@ Evaluator::Evaluator(const Material& material, VdimAtlasSize atlas_size, int thr
 }
 
 template <class T>
-Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup) const {
+T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
+  if (!material.geometry.identity_parameterization) return T(1);
+  const T slope = std::sqrt(wo.x * wo.x + wo.y * wo.y) / std::max(wo.z, T(std::cos(kThetaMax)));
+  const T texels = T(std::max(material.geometry.range.z, 1e-9f)) * slope * T(material.side) * std::exp2(-lambda);
+  return std::clamp(T(4) * texels - T(1), T(0), T(1));
+}
+
+template <class T>
+T cosineFactor(const Material& material, const glm::vec<3, T>& wi) {
+  return material.cosine_included || material.mode == Mode::kSurface ? T(1) : std::max(wi.z, T(0));
+}
+
+template <class T>
+Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax) const {
   Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)}), 0, 0};
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
@@ -135,10 +148,12 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
     hit.p = paperVdimLookup(*material_->stored_vdim, x, wo);
     hit.fetches = 2;
   } else if ((lookup == Lookup::kFast || lookup == Lookup::kDefault) && !atlas_.depth.empty()) {
+    const T fade = parallax == Parallax::kFaded ? parallaxFade(*material_, hit.lambda, wo) : T(1);
+    if (!(fade > 0)) return hit;
     const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
     const VdimHit<T> found = vdimLookup(material_->geometry, atlas_, tier, x, wo);
-    hit.p = found.p;
-    hit.depth = found.position.z;
+    hit.p = glm::mix(x, found.p, fade);
+    hit.depth = found.position.z * fade;
     hit.fetches = found.fetches;
   }
   return hit;
@@ -167,8 +182,12 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, 
   return rgbFromYcc(ycc) * fade;
 }
 
-template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup) const;
-template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup) const;
+template float parallaxFade(const Material&, float, const glm::vec<3, float>&);
+template double parallaxFade(const Material&, double, const glm::vec<3, double>&);
+template float cosineFactor(const Material&, const glm::vec<3, float>&);
+template double cosineFactor(const Material&, const glm::vec<3, double>&);
+template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup, Parallax) const;
+template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup, Parallax) const;
 template glm::vec<3, float> Evaluator::evaluate(const Hit<float>&, const glm::vec<3, float>&, const glm::vec<3, float>&) const;
 template glm::vec<3, double> Evaluator::evaluate(const Hit<double>&, const glm::vec<3, double>&,
                                                  const glm::vec<3, double>&) const;

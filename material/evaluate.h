@@ -23,6 +23,20 @@ struct Hit {
 // Which lookup finds p.
 enum class Lookup : uint32_t { kNone, kPaper, kFast, kDefault };
 
+// Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do by
+// default (LodenMaterial::skip_parallax); kFull is what fits and comparisons measure.
+enum class Parallax : uint32_t { kFull, kFaded };
+
+// Share of the parallax to apply, 0..1, at 1 wherever p is not x without it. Mirrors loden_parallax_fade.
+template <class T>
+T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo);
+
+// cos(theta_i) where the asset's values leave it out, else 1:
+//   radiance = irradiance * value_scale * cosineFactor * Evaluator::evaluate
+// Mirrors loden_cosine_factor, which loden_evaluate multiplies by itself.
+template <class T>
+T cosineFactor(const Material& material, const glm::vec<3, T>& wi);
+
 // Keeps what is derived from a material: VDIM atlas, nearest-direction images. The material must outlive it.
 class Evaluator {
  public:
@@ -33,9 +47,11 @@ class Evaluator {
 
   // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0.
   template <class T>
-  Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault) const;
+  Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
+                 Parallax parallax = Parallax::kFull) const;
 
-  // Linear RGB, white Lambert lit from above = 1; may be slightly negative where a fit undershoots.
+  // Linear RGB as the asset stores it, white Lambert lit from above = 1; may be slightly negative where a fit
+  // undershoots.
   template <class T>
   glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
 

@@ -48,6 +48,9 @@ struct VdimAtlas {
   size_t bytes() const { return depth.data.size() + volume.data.size(); }
 };
 
+// VdimAtlas::bytes() of the atlas that would be built, from the image's description alone.
+uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size);
+
 // Square of the concentric grid <-> view direction. The radius is atanh(sin theta) / atanh(sin kThetaMax),
 // dense towards grazing; directions beyond kThetaMax land on the rim.
 template <class T>

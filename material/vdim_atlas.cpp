@@ -90,6 +90,13 @@ Texture buildVolume(const GeometryImage& image, int threads) {
 
 }  // namespace
 
+uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
+  const uint64_t texels = uint64_t(size.texels) * uint64_t(size.texels);
+  const uint64_t depth = textureBytes(TexelFormat::kR8Unorm, texels, 1, uint64_t(size.directions) * uint64_t(size.directions), 1);
+  if (image.identity_parameterization) return depth;
+  return depth + textureBytes(TexelFormat::kRG16Snorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
+}
+
 template <class T>
 glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo) {
   const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);

@@ -1,5 +1,5 @@
-// What stands between an untrusted glTF file and the JSON parser: a nesting scan, and file access that cannot
-// leave the asset's folder.
+// What stands between an untrusted glTF file and the JSON parser, beside material/json_depth.h: file access that
+// cannot leave the asset's folder.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,7 @@
 
 namespace loden::runtime {
 
-inline constexpr int kMaxJsonDepth = 64;                    // nested arrays and objects
 inline constexpr uint64_t kMaxGltfBytes = uint64_t(1) << 30;  // of any one file
-
-// OK if arrays and objects nest at most kMaxJsonDepth deep outside of strings; kGltfDepth otherwise. The text
-// need not be valid JSON.
-Status checkJsonDepth(std::string_view json, const std::string& name);
 
 // The JSON text of a .gltf (all of it) or a .glb (its first chunk); kGltfParse if the .glb header is damaged.
 // Points into `bytes`.

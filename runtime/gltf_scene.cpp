@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "material/json_depth.h"
 #include "runtime/gltf_guard.h"
 #include "runtime/gltf_reader.h"
 

@@ -14,10 +14,6 @@ uint64_t gpuBytes(const Texture& t) {
   return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
 }
 
-uint64_t atlasBytes(VdimAtlasSize size) {
-  return uint64_t(size.texels) * uint64_t(size.texels) * uint64_t(size.directions) * uint64_t(size.directions);
-}
-
 // Bands without an end, and the coarsest, are needed everywhere: they fade in below lambda_max + 1.
 float bandEnd(const Material& material, const Band& band) {
   return std::min(band.window.out_end, material.lambda_max + 1);
@@ -32,9 +28,7 @@ float parallaxEnd(const Material& material) {
 }
 
 PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize atlas) {
-  constexpr uint64_t kVolumeBytes = 32 * 32 * 8 * 4;  // VdimAtlas::volume
-  uint64_t bytes = gpuBytes(material.geometry.texels) + atlasBytes(atlas);
-  if (!material.geometry.identity_parameterization) bytes += kVolumeBytes;
+  const uint64_t bytes = gpuBytes(material.geometry.texels) + vdimAtlasBytes(material.geometry, atlas);
   return {PartKind::kGeometry, 0, {bytes, lambda_end}};
 }
 
@@ -172,7 +166,10 @@ Status checkExtents(const Material& material, std::span<const PartPlan> parts, V
 }
 
 VdimAtlasSize fitAtlas(VdimAtlasSize wanted, uint64_t budget_bytes) {
-  while (wanted.texels > 16 && atlasBytes(wanted) > budget_bytes / 16) wanted.texels /= 2;
+  GeometryImage height_field;  // the closest-point volume has one size, and does not count here
+  height_field.identity_parameterization = true;
+  const auto too_large = [&] { return vdimAtlasBytes(height_field, wanted) > budget_bytes / 16; };
+  while (wanted.texels > 16 && too_large()) wanted.texels /= 2;
   return wanted;
 }
 

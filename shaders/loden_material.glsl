@@ -124,7 +124,17 @@ vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
 }
 #endif
 
-// Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i).
+// cos(theta_i) where the asset's values leave it out, else 1.
+float loden_cosine_factor(vec3 wi_ts) {
+#ifdef LODEN_MODE_SURFACE
+  return 1.0;
+#else
+  return (loden_material.flags.x & LODEN_COSINE_INCLUDED) != 0 ? 1.0 : max(wi_ts.z, 0.0);
+#endif
+}
+
+// Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's values
+// leave the cosine out.
 vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   if (wi_ts.z <= 0.0 || wo_ts.z <= 0.0) return vec3(0.0);
 #ifdef LODEN_MODE_SURFACE
@@ -133,7 +143,7 @@ vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   vec3 wi = loden_clamp_theta(wi_ts, loden_material.theta_max);
   vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
   bool with_cosine = (loden_material.flags.x & LODEN_COSINE_INCLUDED) != 0;
-  float fade = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : 1.0;
+  float fade = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : loden_cosine_factor(wi_ts);
   vec3 mean = loden_evaluate_mean(wi, wo);
   vec3 bands = loden_evaluate_bands(hit, loden_table_position(wi, wo), mean);
   return loden_rgb_from_ycc(mean + bands) * fade;

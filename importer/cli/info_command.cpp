@@ -33,10 +33,8 @@ Part partOf(const std::string& name, const Texture& texture, uint64_t stored_byt
 // The atlas is no part of the file: the runtime builds it.
 Part atlasPart(const GeometryImage& geometry) {
   const VdimAtlasSize size;
-  const uint64_t depth = uint64_t(size.texels) * size.texels * size.directions * size.directions;
-  const uint64_t volume = geometry.identity_parameterization ? 0 : 32 * 32 * 8 * 4;
   return {"vdim atlas", "R8_UNORM", formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions), 0, 0,
-          depth + volume, 0};
+          vdimAtlasBytes(geometry, size), 0};
 }
 
 std::vector<Part> partsOf(const AssetFile& file) {

@@ -50,9 +50,7 @@ uint64_t rawFileBytes(const Material& material) {
 uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
   uint64_t bytes = rawFileBytes(material);
   if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
-  bytes += uint64_t(atlas.texels) * uint64_t(atlas.texels) * uint64_t(atlas.directions) * uint64_t(atlas.directions);
-  if (!material.geometry.identity_parameterization) bytes += 32 * 32 * 8 * 4;  // the closest-point volume
-  return bytes;
+  return bytes + vdimAtlasBytes(material.geometry, atlas);
 }
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,

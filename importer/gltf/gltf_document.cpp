@@ -4,11 +4,11 @@
 #include <cstring>
 
 #include "material/issues.h"
+#include "material/json_depth.h"
 
 namespace loden::importer {
 namespace {
 
-constexpr int kMaxDepth = 64;
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 Issue issueAt(int id, const std::string& name, const std::string& text) { return {id, Severity::kError, name, text}; }
@@ -21,25 +21,6 @@ uint32_t u32At(std::string_view bytes, size_t at) {
 
 void appendU32(std::string& bytes, uint32_t value) {
   for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFF);
-}
-
-int nestingDepth(std::string_view json) {
-  int depth = 0, deepest = 0;
-  bool in_string = false;
-  for (size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      else if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      deepest = std::max(deepest, ++depth);
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return deepest;
 }
 
 // Splits a GLB; `json` points into `bytes`.
@@ -140,8 +121,7 @@ Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name) 
     document.binary = true;
     if (const Status status = splitGlb(bytes, name, json, document.binary_chunk); !status) return status.issue();
   }
-  if (nestingDepth(json) > kMaxDepth)
-    return issueAt(issue_id::kGltfDepth, name, "nests deeper than " + std::to_string(kMaxDepth) + " arrays and objects");
+  if (const Status depth = checkJsonDepth(json, name); !depth) return depth.issue();
   document.json = nlohmann::ordered_json::parse(json, nullptr, false);
   if (!document.json.is_object()) return issueAt(issue_id::kGltfParse, name, "is no glTF: not a JSON object");
   const auto asset = document.json.find("asset");

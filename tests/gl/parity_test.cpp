@@ -45,7 +45,7 @@ void main() {
   vec4 x = texelFetch(samples, ivec3(at, 0), 0);
   vec3 wi = texelFetch(samples, ivec3(at, 1), 0).xyz, wo = texelFetch(samples, ivec3(at, 2), 0).xyz;
   LodenMaterial m = loden_material_default();
-  m.skip_parallax = false;
+  m.skip_parallax = SKIP_PARALLAX;
   LodenHit hit = loden_find_hit_at(m, x.xy, x.z, wo);
   color = vec4(loden_evaluate(m, hit, wi, wo), hit.p.x);
 }
@@ -55,6 +55,12 @@ struct Sample {
   glm::vec2 x;
   float lambda;
   glm::vec3 wi, wo;
+};
+
+// How p is found.
+struct Way {
+  Lookup lookup = Lookup::kDefault;
+  Parallax parallax = Parallax::kFull;
 };
 
 glm::vec3 upperDirection(std::mt19937& random) {
@@ -88,11 +94,11 @@ GlTexture uploadSamples(const std::vector<Sample>& samples) {
 }
 
 // (value, p.x) of every sample, as the shader computes them.
-std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector<Sample>& samples, Lookup lookup) {
+std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector<Sample>& samples, const Way& way) {
   auto device = Device::create({.log = [](const Issue& issue) { ADD_FAILURE() << issue.where << ": " << issue.text; }});
   EXPECT_TRUE(device.ok());
   MaterialSystemOptions options;
-  options.lookup = lookup;
+  options.lookup = way.lookup;
   auto system = MaterialSystem::create(**device, options);
   EXPECT_TRUE(system.ok());
   auto bytes = serializeAsset(material);
@@ -103,8 +109,9 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   (*system)->finishLoading();
   EXPECT_EQ((*system)->residentLambda(*id), material.lambda_min);
 
-  const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment},
-                                      variantDefines((*system)->variant(*id)), "parity");
+  std::vector<std::string> defines = variantDefines((*system)->variant(*id));
+  defines.push_back(std::string("SKIP_PARALLAX ") + (way.parallax == Parallax::kFaded ? "true" : "false"));
+  const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
   EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
   const RenderTarget target = makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
   const GlTexture texture = uploadSamples(samples);
@@ -124,43 +131,52 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
   return std::max({off.x, off.y, off.z});
 }
 
+// What loden_evaluate returns.
+glm::vec3 evaluateAt(const Evaluator& evaluator, glm::vec2 x, const Sample& s, const Way& way) {
+  const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax);
+  return evaluator.evaluate(hit, s.wi, s.wo) * cosineFactor(evaluator.material(), s.wi);
+}
+
 // The smallest difference to the evaluator's values around the sample.
-double differenceNearby(const Evaluator& evaluator, const Sample& s, Lookup lookup, const glm::vec4& gpu) {
+double differenceNearby(const Evaluator& evaluator, const Sample& s, const Way& way, const glm::vec4& gpu) {
   double smallest = 1e9;
   for (int k = 0; k < 1024; ++k) {
     const float angle = 0.7f * static_cast<float>(k), radius = kRounding * static_cast<float>(k + 1) / 1024;
     const glm::vec2 x = s.x + radius * glm::vec2(std::cos(angle), std::sin(angle));
-    const glm::vec3 value = evaluator.evaluate(evaluator.findHit(x, s.lambda, s.wo, lookup), s.wi, s.wo);
-    smallest = std::min(smallest, difference(value, gpu));
+    smallest = std::min(smallest, difference(evaluateAt(evaluator, x, s, way), gpu));
   }
   return smallest;
 }
 
-void expectParity(const Material& material, Lookup lookup) {
+void expectParity(const Material& material, const Way& way) {
   const std::vector<Sample> samples = seededSamples();
-  const std::vector<glm::vec4> gpu = evaluateOnGpu(material, samples, lookup);
+  const std::vector<glm::vec4> gpu = evaluateOnGpu(material, samples, way);
   ASSERT_EQ(gpu.size(), samples.size());
   const Evaluator evaluator(material);
   double sum = 0;
   int at_jumps = 0;
   for (size_t k = 0; k < samples.size(); ++k) {
     const Sample& s = samples[k];
-    const glm::vec3 value = evaluator.evaluate(evaluator.findHit(s.x, s.lambda, s.wo, lookup), s.wi, s.wo);
-    const double off = difference(value, gpu[k]);
+    const double off = difference(evaluateAt(evaluator, s.x, s, way), gpu[k]);
     ASSERT_TRUE(std::isfinite(off)) << "sample " << k;
     sum += off;
     if (off <= kMaxDifference) continue;
     ++at_jumps;
-    EXPECT_LE(differenceNearby(evaluator, s, lookup, gpu[k]), kMaxDifference)
+    EXPECT_LE(differenceNearby(evaluator, s, way, gpu[k]), kMaxDifference)
         << "sample " << k << " differs by " << off << " and no jump is near";
   }
   EXPECT_LE(at_jumps, kMaxAtJumps);
   EXPECT_LE(sum / kSamples, kMeanDifference);
 }
 
-importer::BakedOutput bakeSmall(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / ("loden_parity_" + name);
-  std::filesystem::remove_all(folder);
+struct Bake {
+  importer::BakedOutput output;
+  std::string folder;
+};
+
+Bake bakeSmall(const std::string& name) {
+  std::string folder = (std::filesystem::temp_directory_path() / "loden_parity_XXXXXX").string();
+  EXPECT_NE(::mkdtemp(folder.data()), nullptr);
   const auto tile = importer::builtinTile(name);
   EXPECT_TRUE(tile.ok());
   importer::BakeOptions options;
@@ -174,7 +190,7 @@ importer::BakedOutput bakeSmall(const std::string& name) {
   EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.issue().text);
   auto baked = importer::BakedOutput::open(folder);
   EXPECT_TRUE(baked.ok()) << (baked.ok() ? "" : baked.issue().text);
-  return std::move(*baked);
+  return {std::move(*baked), folder};
 }
 
 Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset) {
@@ -192,21 +208,28 @@ class Parity : public testing::TestWithParam<std::string> {};
 
 TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
   using importer::Preset;
-  const importer::BakedOutput baked = bakeSmall(GetParam());
+  const Bake baked = bakeSmall(GetParam());
   struct Case {
     const char* name;
     Mode mode;
     Preset preset;
-    Lookup lookup;
+    Way way;
+    bool cosine_included = true;
   };
-  for (const Case& c : {Case{"surface", Mode::kSurface, Preset::kGame, Lookup::kDefault},
-                        Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, Lookup::kFast},
-                        Case{"lod as published", Mode::kLod, Preset::kSeed, Lookup::kNone},
-                        Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, Lookup::kNone},
-                        Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, Lookup::kDefault}}) {
+  for (const Case& c : {Case{"surface", Mode::kSurface, Preset::kGame, {}},
+                        Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, {Lookup::kFast}},
+                        Case{"surface, faded", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}},
+                        Case{"lod as published", Mode::kLod, Preset::kSeed, {Lookup::kNone}},
+                        Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, {Lookup::kNone}},
+                        Case{"lod without the cosine", Mode::kLod, Preset::kGame, {Lookup::kNone}, false},
+                        Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
+                        Case{"fused, faded", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}}}) {
     SCOPED_TRACE(c.name);
-    expectParity(cooked(baked, c.mode, c.preset), c.lookup);
+    Material material = cooked(baked.output, c.mode, c.preset);
+    material.cosine_included = c.cosine_included;
+    expectParity(material, c.way);
   }
+  std::filesystem::remove_all(baked.folder);
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli", "sponge"),

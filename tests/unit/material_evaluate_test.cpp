@@ -100,5 +100,40 @@ TEST(Evaluator, LightFadesToZeroAtTheHorizon) {
     EXPECT_NEAR(glm::length(at(theta)), glm::length(at(theta_max)) * std::cos(theta) / std::cos(theta_max), 1e-6);
 }
 
+TEST(Evaluator, ParallaxFadesWithTheTexelsThatItCrosses) {
+  Material material = test::fusedMaterial();
+  material.geometry.identity_parameterization = true;
+  material.geometry.range.z = 0.1f;
+  material.side = 32;
+  // 0.1 periods deep, slope 1: 3.2 texels at lambda 0, half a texel at log2(6.4), a quarter one level later.
+  const glm::dvec3 wo = directionFromSpherical({kPi / 4, 1});
+  EXPECT_DOUBLE_EQ(parallaxFade(material, std::log2(6.4) - 0.01, wo), 1);
+  EXPECT_NEAR(parallaxFade(material, std::log2(6.4) + std::log2(4.0 / 3), wo), 0.5, 1e-6);
+  EXPECT_NEAR(parallaxFade(material, std::log2(6.4) + 1, wo), 0, 1e-6);
+  EXPECT_EQ(parallaxFade(material, 0.0, glm::dvec3(0, 0, 1)), 0);
+  material.geometry.identity_parameterization = false;
+  EXPECT_EQ(parallaxFade(material, 9.0, wo), 1) << "p is not x without parallax";
+}
+
+TEST(Evaluator, FadedParallaxEndsAtX) {
+  Material material = test::fusedMaterial();
+  material.geometry.identity_parameterization = true;
+  const Evaluator evaluator(material, {16, 8});
+  const glm::dvec3 wo = directionFromSpherical({1.0, 1});
+  const glm::dvec2 x(0.3, 0.6);
+  const auto far = evaluator.findHit(x, 12.0, wo, Lookup::kDefault, Parallax::kFaded);
+  EXPECT_EQ(far.p, x);
+  EXPECT_EQ(far.depth, 0);
+  EXPECT_EQ(far.fetches, 0);
+}
+
+TEST(Evaluator, CosineFactorIsTheCosineThatValuesLeaveOut) {
+  Material material = test::lodMaterial();
+  const glm::dvec3 wi = directionFromSpherical({1.0, 2});
+  EXPECT_EQ(cosineFactor(material, wi), 1);
+  material.cosine_included = false;
+  EXPECT_DOUBLE_EQ(cosineFactor(material, wi), std::cos(1.0));
+}
+
 }  // namespace
 }  // namespace loden

@@ -78,11 +78,6 @@ class MaterialCheck {
            " is not positive");
     header(m_.theta_max > 0 && m_.theta_max < kHalfPi, "theta_max ", m_.theta_max,
            " is not between 0 and pi / 2");
-    header(within(m_.grid.thetas, 2, Limits::kMaxGridSide), "grid: thetas is not in 2..",
-           Limits::kMaxGridSide);
-    header(within(m_.grid.phis, 2, Limits::kMaxGridSide), "grid: phis is not in 2..", Limits::kMaxGridSide);
-    header(m_.grid.theta_max > 0 && m_.grid.theta_max < kHalfPi, "grid: theta_max ", m_.grid.theta_max,
-           " is not between 0 and pi / 2");
     header(m_.name.size() <= Limits::kMaxNameBytes && isText(m_.name, false),
            "name is not UTF-8 text without control characters, of at most ", Limits::kMaxNameBytes, " bytes");
     header(m_.mode != Mode::kSurface || m_.bands.empty(), "a material of mode surface has bands");
@@ -177,9 +172,12 @@ class MaterialCheck {
     checkExtents(table, TextureShape::kVolume, kBandField, place);
     int64_t x = m_.lights.size(), y = m_.views.size(), z = band.quads();
     if (band.layout == TableLayout::kGrid) {
-      x = m_.grid.phis;
-      y = int64_t{m_.grid.thetas} * m_.grid.thetas;
-      z *= m_.grid.phis;
+      const DirectionGrid grid = tableGrid(band, m_.theta_max);
+      issues_.require(within(grid.thetas, 2, Limits::kMaxGridSide) && within(grid.phis, 2, Limits::kMaxGridSide),
+                      kBandField, place, grid.thetas, " x ", grid.phis, " directions; each is in 2..", Limits::kMaxGridSide);
+      x = grid.phis;
+      y = int64_t{grid.thetas} * grid.thetas;
+      z *= grid.phis;
     }
     issues_.require(table.width == x && table.height == y && table.depth == z, kBandField, place, "extents ",
                     table.width, " x ", table.height, " x ", table.depth,

@@ -90,9 +90,6 @@ class HeaderReader {
     material.cosine_included = boolean("cosine_included");
     material.theta_max = in_.f32();
     material.mean = readMean();
-    material.grid.thetas = integer();
-    material.grid.phis = integer();
-    material.grid.theta_max = in_.f32();
     const uint32_t parts = readPartBits();
     material.lights = readDirections("lights");
     material.views = readDirections("views");
@@ -274,9 +271,6 @@ std::vector<std::byte> encodeHeader(const Material& material) {
   out.u32(material.cosine_included ? 1 : 0);
   out.f32(material.theta_max);
   writeMean(out, material.mean);
-  out.u32(static_cast<uint32_t>(material.grid.thetas));
-  out.u32(static_cast<uint32_t>(material.grid.phis));
-  out.f32(material.grid.theta_max);
   out.u32(partBits(material));
   writeDirections(out, material.lights);
   writeDirections(out, material.views);

@@ -1,6 +1,7 @@
 #include "material/band.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace loden {
 
@@ -13,5 +14,9 @@ T windowWeight(const Window& window, T lambda) {
 
 template float windowWeight(const Window&, float);
 template double windowWeight(const Window&, double);
+
+DirectionGrid tableGrid(const Band& band, float theta_max) {
+  return {static_cast<int>(std::lround(std::sqrt(double(std::max(band.table.height, 0))))), band.table.width, theta_max};
+}
 
 }  // namespace loden

@@ -29,7 +29,8 @@ template <class T>
 T windowWeight(const Window& window, T lambda);
 
 // A lat-long grid of directions: thetas rows from the pole to theta_max, phis columns of which the last
-// repeats the first. Light or view beyond theta_max reads the last row.
+// repeats the first. Light or view beyond theta_max reads the last row. theta_max is the material's; each band's
+// table has rows and columns of its own.
 struct DirectionGrid {
   int thetas = 6;
   int phis = 25;
@@ -57,5 +58,8 @@ struct Band {
   int layers() const { return quads() + (ratio ? 1 : 0); }
   size_t bytes() const { return weights.data.size() + table.data.size(); }
 };
+
+// Grid of a kGrid table: its width is phis, its height thetas squared.
+DirectionGrid tableGrid(const Band& band, float theta_max);
 
 }  // namespace loden

@@ -27,19 +27,19 @@ V3<T> clampTheta(const V3<T>& w, T theta_max) {
   return {w.x * scale, w.y * scale, cosine};
 }
 
-// Where in the tables a pair of directions is: grid coordinates, or the nearest samples' indices.
+// Where in the tables a pair of directions is: shares of a grid's extent, or the nearest samples' indices.
 template <class T>
 struct TablePosition {
-  V2<T> light, view;  // (column, row) of the grid, texels from 0
+  V2<T> light, view;  // (phi / 2 pi, theta / theta_max), 0..1
   int light_index = 0, view_index = 0;
 };
 
 template <class T>
-V2<T> gridPosition(const DirectionGrid& grid, const V3<T>& w) {
+V2<T> gridPosition(const V3<T>& w, T theta_max) {
   const T theta = std::acos(std::clamp(w.z, T(-1), T(1)));
   T phi = w.x == 0 && w.y == 0 ? T(0) : std::atan2(w.y, w.x);
   if (phi < 0) phi += T(2 * kPi);
-  return {phi / T(2 * kPi) * T(grid.phis - 1), std::min(theta / T(grid.theta_max), T(1)) * T(grid.thetas - 1)};
+  return {phi / T(2 * kPi), std::min(theta / theta_max, T(1))};
 }
 
 int nearestIndex(const std::vector<uint8_t>& image, double x, double y) {
@@ -52,10 +52,11 @@ int nearestIndex(const std::vector<uint8_t>& image, double x, double y) {
 template <class T>
 V4<T> fetchTable(const Band& band, const DirectionGrid& grid, int quad, const TablePosition<T>& at) {
   if (band.layout == TableLayout::kNearest) return V4<T>(fetchTexel(band.table, 0, at.light_index, at.view_index, quad));
-  const T row = std::min(std::floor(at.view.y), T(grid.thetas - 2));
-  const T fraction = at.view.y - row;
-  const V3<T> texel(at.light.x + T(0.5), row * T(grid.thetas) + at.light.y + T(0.5),
-                    T(quad * grid.phis) + at.view.x + T(0.5));
+  const V2<T> cells(grid.phis - 1, grid.thetas - 1);
+  const V2<T> light = at.light * cells, view = at.view * cells;
+  const T row = std::min(std::floor(view.y), T(grid.thetas - 2));
+  const T fraction = view.y - row;
+  const V3<T> texel(light.x + T(0.5), row * T(grid.thetas) + light.y + T(0.5), T(quad * grid.phis) + view.x + T(0.5));
   const V4<T> below = sampleVolume(band.table, texel);
   const V4<T> above = sampleVolume(band.table, texel + V3<T>(0, T(grid.thetas), 0));
   return glm::mix(below, above, fraction);
@@ -70,8 +71,8 @@ V4<T> fetchWeights(const Band& band, int layer, V2<T> q, T lambda) {
 
 // (Y, Cb, Cr) that one band adds at full weight.
 template <class T>
-V3<T> evaluateBand(const Band& band, const DirectionGrid& grid, const Hit<T>& hit, const TablePosition<T>& at,
-                   const V3<T>& mean) {
+V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const TablePosition<T>& at, const V3<T>& mean) {
+  const DirectionGrid grid = tableGrid(band, theta_max);
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   V3<T> sum(0);
   for (int quad = 0; quad < band.quads(); ++quad) {
@@ -170,14 +171,14 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, 
   const T fade = m.cosine_included ? std::min(wi.z / std::cos(theta_max), T(1)) : T(1);
   const V3<T> mean = evaluateMean(m.mean, light, view);
   TablePosition<T> at;
-  at.light = gridPosition(m.grid, light);
-  at.view = gridPosition(m.grid, view);
+  at.light = gridPosition(light, theta_max);
+  at.view = gridPosition(view, theta_max);
   at.light_index = nearestIndex(nearest_light_, double(light.x), double(light.y));
   at.view_index = nearestIndex(nearest_view_, double(view.x), double(view.y));
   V3<T> ycc = mean;
   for (const Band& band : m.bands) {
     const T weight = windowWeight(band.window, hit.lambda);
-    if (weight > 0) ycc += weight * evaluateBand(band, m.grid, hit, at, mean);
+    if (weight > 0) ycc += weight * evaluateBand(band, m.theta_max, hit, at, mean);
   }
   return rgbFromYcc(ycc) * fade;
 }

@@ -44,7 +44,6 @@ struct Material {
   float theta_max = static_cast<float>(75.0 * kPi / 180.0);
   PhongMean mean;
   DirectionSet lights, views;    // of nearest-layout tables; empty otherwise
-  DirectionGrid grid;            // of grid-layout tables
   std::vector<Band> bands;       // finest first; the file stores them coarsest first
   GeometryImage geometry;        // empty if the material has no meso-geometry
   std::optional<PaperVdim> stored_vdim;  // for folders baked elsewhere without geometry, and FBTF as published

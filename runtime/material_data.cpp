@@ -19,6 +19,8 @@ LodenBandData bandData(const Band& band) {
   LodenBandData data{};
   data.window = windowData(band.window);
   data.mip = {band.lambda_first, float(band.weights.mips - 1), band.weights.width, 1.0f / float(band.table.depth)};
+  const DirectionGrid grid = tableGrid(band, 0);
+  data.grid = {grid.thetas, grid.phis, 1.0f / float(grid.thetas * grid.thetas), 1.0f / float(grid.phis)};
   int bits = 0;
   if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
   if (band.filter == WeightFilter::kLinear) bits |= LODEN_BAND_LINEAR;
@@ -82,13 +84,10 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   if (m.cosine_included) bits |= LODEN_COSINE_INCLUDED;
   if (m.geometry.identity_parameterization) bits |= LODEN_IDENTITY;
   if (m.mode == Mode::kLod) bits |= LODEN_CLAMP_LAMBDA;
-  const float full_turn = 2 * float(kPi);
   data.flags = {bits, int(m.bands.size()), atlas.texels, atlas.directions};
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
   data.mean_chroma = {m.mean.cb, m.mean.cr, m.lambda_min, 1};
   data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
-  data.grid = {m.grid.thetas, m.grid.phis, float(m.grid.thetas - 1) / m.grid.theta_max,
-               float(m.grid.phis - 1) / full_turn};
   data.geometry = {m.geometry.range.x, m.geometry.range.y, std::max(m.geometry.range.z, 1e-9f), m.geometry.side()};
   data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
   if (m.stored_vdim)

@@ -5,7 +5,7 @@
 #ifdef LODEN_BANDS
 
 struct LodenTablePosition {
-  vec2 light, view;             // (column, row) of the grid
+  vec2 light, view;             // (phi / 2 pi, theta / theta_max)
   int light_index, view_index;  // of the nearest samples
 };
 
@@ -15,8 +15,8 @@ float loden_window_weight(vec4 window, float lambda) {
 
 LodenTablePosition loden_table_position(vec3 wi, vec3 wo) {
   LodenTablePosition at;
-  at.light = loden_grid_position(loden_material.grid, wi);
-  at.view = loden_grid_position(loden_material.grid, wo);
+  at.light = loden_grid_position(wi, loden_material.theta_max);
+  at.view = loden_grid_position(wo, loden_material.theta_max);
   at.light_index = 0;
   at.view_index = 0;
 #ifdef LODEN_TABLES_NEAREST
@@ -33,14 +33,15 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
   LODEN_COUNT(1);
   return texelFetch(loden_table[band], ivec3(at.light_index, at.view_index, quad), 0);
 #else
-  vec4 grid = loden_material.grid;
-  float row = min(floor(at.view.y), grid.x - 2.0);
-  vec3 texel_size = vec3(1.0 / grid.y, 1.0 / (grid.x * grid.x), loden_material.bands[band].mip.w);
-  vec3 texel = vec3(at.light.x + 0.5, row * grid.x + at.light.y + 0.5, float(quad) * grid.y + at.view.x + 0.5);
+  vec4 grid = loden_material.bands[band].grid;
+  vec2 light = at.light * (grid.yx - 1.0), view = at.view * (grid.yx - 1.0);
+  float row = min(floor(view.y), grid.x - 2.0);
+  vec3 texel_size = vec3(grid.wz, loden_material.bands[band].mip.w);
+  vec3 texel = vec3(light.x + 0.5, row * grid.x + light.y + 0.5, float(quad) * grid.y + view.x + 0.5);
   LODEN_COUNT(2);
   vec4 below = textureLod(loden_table[band], texel * texel_size, 0.0);
   vec4 above = textureLod(loden_table[band], (texel + vec3(0.0, grid.x, 0.0)) * texel_size, 0.0);
-  return mix(below, above, at.view.y - row);
+  return mix(below, above, view.y - row);
 #endif
 }
 

@@ -46,10 +46,10 @@ vec3 loden_clamp_theta(vec3 w, vec4 theta_max) {
   return vec3(w.xy * (theta_max.z / max(sine, 1e-6)), theta_max.y);
 }
 
-// (column, row) of a direction in a lat-long grid; grid = (thetas, phis, (thetas-1)/theta_max, (phis-1)/2pi).
-vec2 loden_grid_position(vec4 grid, vec3 w) {
+// (phi / 2 pi, theta / theta_max) of a direction, 0..1: where it stands in any lat-long grid up to theta_max.
+vec2 loden_grid_position(vec3 w, vec4 theta_max) {
   float theta = acos(clamp(w.z, -1.0, 1.0));
   float phi = w.x == 0.0 && w.y == 0.0 ? 0.0 : atan(w.y, w.x);
   phi = phi < 0.0 ? phi + 2.0 * LODEN_PI : phi;
-  return vec2(phi * grid.w, min(theta * grid.z, grid.x - 1.0));
+  return vec2(phi / (2.0 * LODEN_PI), min(theta * theta_max.w, 1.0));
 }

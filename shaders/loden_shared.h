@@ -45,6 +45,7 @@ using ivec4 = glm::ivec4;
 struct LodenBandData {
   vec4 window;     // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
   vec4 mip;        // lambda_first, mips - 1, weights' texels per side, 1 / table's depth
+  vec4 grid;       // thetas, phis of the table, 1 / thetas^2, 1 / phis; unused by nearest tables
   ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
   vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
   vec4 ratio_scale;                  // of the ratio layer
@@ -55,7 +56,6 @@ struct LodenMaterialData {
   vec4 mean;        // ka, kd, ks, alpha
   vec4 mean_chroma; // cb, cr, smallest resident lambda (the shader clamps to it), 1 if geometry and VDIM are resident
   vec4 theta_max;   // radians, cosine, sine, 1 / radians
-  vec4 grid;        // thetas, phis, (thetas - 1) / theta_max, (phis - 1) / (2 pi)
   vec4 geometry;    // range.xyz (tile periods), texels per side
   vec4 surface;     // specular_scale, reference texels per side, value_scale, lambda_max
   vec4 paper;       // range.x, range.y, zeniths, azimuths of the paper's VDIM
@@ -63,8 +63,8 @@ struct LodenMaterialData {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LodenBandData) == 16 * (4 + LODEN_MAX_QUADS));
-static_assert(sizeof(LodenMaterialData) == 16 * 8 + LODEN_MAX_BANDS * sizeof(LodenBandData));
+static_assert(sizeof(LodenBandData) == 16 * (5 + LODEN_MAX_QUADS));
+static_assert(sizeof(LodenMaterialData) == 16 * 7 + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden
 #endif
 

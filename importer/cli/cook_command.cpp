@@ -40,7 +40,7 @@ class CookCommand : public Command {
     options.integer("--levels", cook_.levels, "Levels of detail; 0: the preset's", 0, 16);
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
     options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
-    options.flag("--explain", explain_, "Print the trade of bytes against error that a goal measured, as a table");
+    options.flag("--explain", explain_, "Print the trade of bytes against error that a goal measured, as a table (* : none better in both)");
     options.footer("Example: loden cook out/pulli -o pulli.loden --max-bytes 600k");
   }
 
@@ -111,7 +111,17 @@ class CookCommand : public Command {
     printText(formatted("%s: %s, %zu bands, %s bytes raw, %s on disk, %.1f s\n", output_.c_str(), modeName(material.mode),
                         material.bands.size(), withThousands(raw_bytes).c_str(), withThousands(file_bytes).c_str(), seconds));
     if (globals.verbose) printText(material.meta_json + "\n");
+    printError(material);
     if (explain_) printTrade(material);
+  }
+
+  static void printError(const Material& material) {
+    const auto meta = nlohmann::ordered_json::parse(material.meta_json, nullptr, false);
+    if (!meta.is_object() || !meta.contains("error")) return;
+    const auto rmse = [&](const char* channel) { return meta["error"][channel].value("rmse", 0.0); };
+    printText(formatted("RMSE at the sampled directions, white = 1: Y %.4f, Cb %.4f, Cr %.4f; %s components, %s bytes on the GPU\n",
+                        rmse("y"), rmse("cb"), rmse("cr"), meta.value("components", std::string()).c_str(),
+                        withThousands(meta.value("gpu_bytes", uint64_t{0})).c_str()));
   }
 
   // '*' marks the candidates that no other one beats in both bytes and error.

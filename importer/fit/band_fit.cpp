@@ -17,19 +17,27 @@ ColumnBlocks centredBlocks(const YccBtf& btf, int channel, const Matrix& means) 
           }};
 }
 
-Factors meanFirstFactors(const ColumnBlocks& f, int k, int threads) {
-  std::vector<double> mean(size_t(f.cols()));
+std::vector<double> columnMeans(const ColumnBlocks& f, int threads) {
+  std::vector<double> means(size_t(f.cols()));
   parallelFor(f.blocks, threads, [&](int b) {
     Matrix block;
     f.read(b, block);
-    for (int c = 0; c < f.block_cols; ++c) mean[size_t(b) * size_t(f.block_cols) + size_t(c)] = eigenCols(block, c, 1).mean();
+    for (int c = 0; c < f.block_cols; ++c) means[size_t(b) * size_t(f.block_cols) + size_t(c)] = eigenCols(block, c, 1).mean();
   });
-  const ColumnBlocks centred{f.rows, f.blocks, f.block_cols, [&](int b, Matrix& into) {
-                               f.read(b, into);
-                               for (int c = 0; c < f.block_cols; ++c)
-                                 for (double& value : into.col(c)) value -= mean[size_t(b) * size_t(f.block_cols) + size_t(c)];
-                             }};
-  const Factors rest = leadingFactors(centred, k - 1, threads);
+  return means;
+}
+
+ColumnBlocks withoutMeans(const ColumnBlocks& f, const std::vector<double>& means) {
+  return {f.rows, f.blocks, f.block_cols, [f, &means](int b, Matrix& into) {
+            f.read(b, into);
+            for (int c = 0; c < f.block_cols; ++c)
+              for (double& value : into.col(c)) value -= means[size_t(b) * size_t(f.block_cols) + size_t(c)];
+          }};
+}
+
+Factors meanFirstFactors(const ColumnBlocks& f, int k, int threads) {
+  const std::vector<double> mean = columnMeans(f, threads);
+  const Factors rest = leadingFactors(withoutMeans(f, mean), k - 1, threads);
   Factors out{Matrix(f.rows, k), Matrix(f.cols(), k)};
   eigenCols(out.weights, 0, 1).setOnes();
   std::copy(mean.begin(), mean.end(), out.basis.data.begin());

@@ -46,10 +46,12 @@ void storeLane(Texture& texture, int mip, int x, int y, int z, int lane, double 
   storeTexel(texture, mip, x, y, z, texel);
 }
 
-void storeWeights(Texture& texture, int layer, int lane, Matrix values, int side, double scale) {
+// `mips`: the first ones, one column each.
+void storeWeights(Texture& texture, int layer, int lane, const std::vector<Matrix>& mips, int side, double scale) {
+  Matrix values;
   for (int mip = 0; mip < texture.mips; ++mip, side /= 2) {
+    values = size_t(mip) < mips.size() ? mips[size_t(mip)] : downsample(values, 2 * side, BoxFilter::k2x2);
     for (int t = 0; t < side * side; ++t) storeLane(texture, mip, t % side, t / side, layer, lane, values.data[size_t(t)] / scale);
-    if (side > 1) values = downsample(values, side, BoxFilter::k2x2);
   }
 }
 
@@ -75,13 +77,17 @@ Matrix oneColumn(std::span<const double> values) {
   return m;
 }
 
-void storeRatio(Band& band, const std::vector<glm::dvec2>& ratio, int side, Storage storage) {
+void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, int side, Storage storage) {
   for (int lane = 0; lane < 2; ++lane) {
-    Matrix values(static_cast<int>(ratio.size()), 1);
-    for (size_t t = 0; t < ratio.size(); ++t) values.data[t] = ratio[t][lane];
-    const double scale = scaleOf(values.data, storage);
+    std::vector<Matrix> mips;
+    double scale = 0;
+    for (const std::vector<glm::dvec2>& mip : ratio) {
+      mips.emplace_back(static_cast<int>(mip.size()), 1);
+      for (size_t t = 0; t < mip.size(); ++t) mips.back().data[t] = mip[t][lane];
+      scale = std::max(scale, scaleOf(mips.back().data, storage));
+    }
     band.ratio_scale[lane] = static_cast<float>(scale);
-    storeWeights(band.weights, band.quads(), lane, values, side, scale);
+    storeWeights(band.weights, band.quads(), lane, mips, side, scale);
   }
 }
 
@@ -114,7 +120,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
       const Place place = placeOf(channel, c, band.y_quads);
       const double weight_scale = scaleOf(f.weights.col(c), options.storage);
       const double table_scale = scaleOf(tables.col(c), options.storage);
-      storeWeights(band.weights, place.quad, place.lane, oneColumn(f.weights.col(c)), factors.side, weight_scale);
+      storeWeights(band.weights, place.quad, place.lane, {oneColumn(f.weights.col(c))}, factors.side, weight_scale);
       if (grid)
         storeGridTable(band.table, g, place, tables.col(c), table_scale);
       else
@@ -168,11 +174,11 @@ BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const Direct
     if (band.layout == TableLayout::kGrid && f.components() > 0)
       f.basis = mapTables(f.basis, gridSampling(grid, lights), gridSampling(grid, views));
   }
-  if (band.ratio)
-    for (int t = 0; t < out.side * out.side; ++t) {
-      const glm::vec4 r = fetchTexel(band.weights, 0, t % out.side, t / out.side, band.quads()) * band.ratio_scale;
-      out.ratio.push_back({r.x, r.y});
-    }
+  if (band.ratio) out.ratio.emplace_back();
+  for (int t = 0; band.ratio && t < out.side * out.side; ++t) {
+    const glm::vec4 r = fetchTexel(band.weights, 0, t % out.side, t / out.side, band.quads()) * band.ratio_scale;
+    out.ratio[0].push_back({r.x, r.y});
+  }
   return out;
 }
 

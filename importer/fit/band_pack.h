@@ -16,7 +16,8 @@ struct BandFactors {
   int side = 0;
   Factors y, cb, cr;
   bool on_grid = false;
-  std::vector<glm::dvec2> ratio;  // Cb/Y and Cr/Y per texel; empty: none
+  // Cb/Y and Cr/Y, [mip][texel]; mips that are not given are means of the one before; empty: no ratio layer.
+  std::vector<std::vector<glm::dvec2>> ratio;
 };
 
 enum class Storage {

@@ -1,4 +1,7 @@
+#include <optional>
+
 #include "importer/fit/band_fit.h"
+#include "importer/fit/coarse_fit.h"
 #include "importer/fit/flat_fit.h"
 #include "importer/fit/fused_plan.h"
 #include "importer/fit/goal.h"
@@ -6,20 +9,24 @@
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
+#include "importer/progress.h"
 #include "material/evaluate.h"
 
 namespace loden::importer {
 namespace {
 
 constexpr int kFullPhis = 25;  // from here on the grid can give back every sample of Bonn's rings
-constexpr int kFlatMips = 3;   // lambda 0 .. 2, where the reference-domain band has taken over
+// Averages over the tile's surface are not averages over what a view sees of it: at lambda 1 the unfiltered maps are
+// closer to the truth than their mip 1, and half way between is the closest.
+constexpr float kFlatFirst = 0.5f;
+constexpr int kFlatMips = 2;   // to lambda 1.5; at 2 the reference-domain band has taken over
 constexpr float kCrossFadeBegin = 1, kCrossFadeEnd = 2;
 
 // What the fits of both bands share.
 struct FusedInput {
   const BtfSource& source;
   const YccBtf& btf;
-  const Material& material;  // mean, grid and geometry are set
+  const Material& material;  // mean and geometry are set
   Matrix mean;               // at the samples
   int threads;
 };
@@ -28,7 +35,7 @@ struct FusedInput {
 // chroma as a ratio to the Y that results.
 Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
-  const DirectionGrid& grid = in.material.grid;
+  const DirectionGrid grid = gridFor(lights, 6, plan.phis);
   const ColumnBlocks luma = centredBlocks(in.btf, 0, in.mean);
   FlatFitOptions fit;
   fit.components = plan.y_components;
@@ -47,24 +54,38 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
     at_samples.basis = solveBasis(luma, a, weights, in.threads);
     factors.y = at_samples;
   }
-  factors.ratio = fitRatios(in.btf, at_samples, in.mean, in.material.mean, a, in.threads);
+  factors.ratio = {fitRatios(in.btf, at_samples, in.mean, in.material.mean, a, in.threads)};
   Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, grid, kFlatMips, 0});
   band.domain = Domain::kFlat;
+  band.lambda_first = kFlatFirst;
   band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
   return band;
+}
+
+// Chroma ratios of the coarse band, each level fitted to its own averages: a mean of ratios is not the ratio of means.
+std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const YccBtf& half, Factors luma) {
+  std::vector<std::vector<glm::dvec2>> ratios;
+  std::optional<YccBtf> coarser;
+  for (const YccBtf* level = &half;; level = &*coarser) {
+    const Indirection straight = identityIndirection(level->texels(), level->views());
+    ratios.push_back(fitRatios(*level, luma, in.mean, in.material.mean, straight, in.threads));
+    if (level->side() == 1 || level->side() % 2 != 0) return ratios;
+    luma.weights = downsample(luma.weights, level->side(), BoxFilter::k2x2);
+    coarser = downsample(*level, BoxFilter::k2x2, in.threads);
+  }
 }
 
 // The coarse band: apparent reflectance over the reference plane, from lambda 1 to the full average.
 Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
   const YccBtf half = downsample(in.btf, BoxFilter::k2x2, in.threads);
-  BandFactors factors;
-  factors.side = half.side();
-  factors.y = meanFirstFactors(centredBlocks(half, 0, in.mean), plan.coarse_y, in.threads);
-  factors.cb = meanFirstFactors(centredBlocks(half, 1, in.mean), 2, in.threads);
-  factors.cr = meanFirstFactors(centredBlocks(half, 2, in.mean), 2, in.threads);
+  const DirectionSet &lights = in.source.lights(), &views = in.source.views();
+  const CoarseFitOptions fit{plan.coarse_y, gridFor(lights, 6, plan.coarse_phis), in.threads};
+  BandFactors factors = fitCoarse(half, lights, views, in.mean, fit);
+  const Matrix sample_lights = gridSampling(fit.grid, lights), sample_views = gridSampling(fit.grid, views);
+  const Factors at_samples{factors.y.weights, mapTables(factors.y.basis, sample_lights, sample_views)};
+  factors.ratio = levelRatios(in, half, at_samples);
   const int mips = fullMipCount(half.side(), half.side());
-  Band band = packBand(factors, in.source.lights(), in.source.views(),
-                       {TableLayout::kGrid, Storage::kSnorm8, in.material.grid, mips, 0});
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, fit.grid, mips, 0});
   band.lambda_first = 1;
   band.window = {kCrossFadeBegin, kCrossFadeEnd};
   return band;
@@ -80,8 +101,7 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   m.side = btf.side();
   m.value_scale = static_cast<float>(1 / kPi);
   m.geometry = geometry;
-  m.grid = gridFor(source.lights(), 6, plan.phis);
-  m.theta_max = m.grid.theta_max;
+  m.theta_max = gridFor(source.lights()).theta_max;
   m.mean = fitPhong(imageMeans(btf, threads), source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
 
   const Evaluator lookup(m, {}, threads);
@@ -89,10 +109,10 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
       btf.side(), btf.side() * plan.flat_scale, source.views(),
       [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
   const FusedInput in{source, btf, m, sampleMean(m.mean, source.lights(), source.views()), threads};
-  Band fine = fitFlatBand(in, a, plan), coarse = fitCoarseBand(in, plan);
-  m.lambda_max = coarse.lambda_first + static_cast<float>(coarse.weights.mips - 1);
-  m.bands.push_back(std::move(fine));
-  m.bands.push_back(std::move(coarse));
+  m.bands.push_back(fitFlatBand(in, a, plan));
+  if (plan.coarse_y > 0) m.bands.push_back(fitCoarseBand(in, plan));
+  const Band& last = m.bands.back();
+  m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
   const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads);
   return {std::move(m), error};
 }
@@ -101,11 +121,10 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   const auto maps = [](uint64_t texels_side, int mips, int layers) {
     return textureBytes(TexelFormat::kRGBA8Snorm, texels_side, texels_side, uint64_t(layers), mips);
   };
-  const uint64_t quad_table = uint64_t(plan.phis) * uint64_t(plan.phis) * 36 * 4;
-  const int fine_quads = (plan.y_components + 3) / 4, coarse_quads = (plan.coarse_y + 3) / 4 + 1;
-  return maps(uint64_t(side * plan.flat_scale), kFlatMips, fine_quads + 1) +
-         maps(uint64_t(side / 2), fullMipCount(side / 2, side / 2), coarse_quads) +
-         uint64_t(fine_quads + coarse_quads) * quad_table +
+  const auto tables = [](int quads, int phis) { return uint64_t(quads) * uint64_t(phis) * uint64_t(phis) * 36 * 4; };
+  const int fine_quads = (plan.y_components + 3) / 4, coarse_quads = (plan.coarse_y + 3) / 4;
+  return maps(uint64_t(side * plan.flat_scale), kFlatMips, fine_quads + 1) + tables(fine_quads, plan.phis) +
+         maps(uint64_t(side / 2), fullMipCount(side / 2, side / 2), coarse_quads + 1) + tables(coarse_quads, plan.coarse_phis) +
          textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
 }
 
@@ -115,7 +134,7 @@ constexpr int kTrialSweeps = 2;  // enough to rank candidates
 
 FusedPlan presetPlan(const CookOptions& options) {
   FusedPlan plan;
-  if (options.preset == Preset::kReference) plan = {.y_components = 32, .coarse_y = 8, .flat_scale = 2, .phis = 25};
+  if (options.preset == Preset::kReference) plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
   if (options.y_components) plan.y_components = options.y_components;
   return plan;
 }
@@ -130,13 +149,18 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
+    const Goal goal{options.max_bytes, options.target_rmse};
+    Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
     const auto trial = [&](FusedPlan candidate) -> Result<double> {
       const auto image = geometry(candidate.geometry_side);
       if (!image) return image.issue();
       candidate.sweeps = kTrialSweeps;
-      return fitFused(source, *btf, *image, candidate, options.threads).error.channel[0].rmse();
+      candidate.coarse_y = 0;
+      const double rmse = fitFused(source, *btf, *image, candidate, options.threads).error.channel[0].rmse();
+      progress.advance();
+      return rmse;
     };
-    auto choice = choosePlan({options.max_bytes, options.target_rmse}, btf->side(), baked->side(), trial);
+    auto choice = choosePlan(goal, btf->side(), baked->side(), trial);
     if (!choice) return choice.issue();
     plan = choice->plan;
     measured = std::move(choice->measured);

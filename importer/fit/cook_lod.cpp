@@ -90,8 +90,8 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
   const bool reference = options.preset == Preset::kReference;
   const ComponentCounts counts = countsOr(options, reference ? ComponentCounts{24, 4, 4} : ComponentCounts{16, 0, 0});
   Material m = emptyMaterial(source);
-  m.grid = gridFor(source.lights());
-  m.theta_max = m.grid.theta_max;
+  const DirectionGrid grid = gridFor(source.lights());
+  m.theta_max = grid.theta_max;
   m.mean = fitPhong(imageMeans(btf, options.threads), source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
   const Matrix mean = sampleMean(m.mean, source.lights(), source.views());
   const Storage storage = reference ? Storage::kSnorm16 : Storage::kSnorm8;
@@ -104,10 +104,10 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
   } else {
     const Indirection none = makeIndirection(source.size().x, source.size().x, source.views(),
                                              [](glm::dvec2 x, const glm::dvec3&) { return x; }, options.threads);
-    factors.ratio = fitRatios(btf, factors.y, mean, m.mean, none, options.threads);
+    factors.ratio = {fitRatios(btf, factors.y, mean, m.mean, none, options.threads)};
   }
   const int mips = options.levels ? options.levels : fullMipCount(source.size().x, source.size().x);
-  m.bands.push_back(packBand(factors, source.lights(), source.views(), {TableLayout::kGrid, storage, m.grid, mips, 0}));
+  m.bands.push_back(packBand(factors, source.lights(), source.views(), {TableLayout::kGrid, storage, grid, mips, 0}));
   m.lambda_max = static_cast<float>(mips - 1);
   return m;
 }

@@ -8,10 +8,11 @@
 namespace loden::importer {
 
 struct FusedPlan {
-  int y_components = 16;  // of the flat-domain band
-  int coarse_y = 12;      // of the reference-domain band
+  int y_components = 20;  // of the flat-domain band
   int flat_scale = 1;     // flat texels per reference texel, along one side
-  int phis = 17;          // columns of the direction grid, the repeated one counted
+  int phis = 11;          // columns of its direction grid, the repeated one counted
+  int coarse_y = 20;      // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
+  int coarse_phis = 17;
   int geometry_side = 0;  // of the geometry image; 0: as baked
   int sweeps = 6;         // of the joint fit
 };

@@ -12,13 +12,17 @@ namespace {
 
 constexpr int kMostComponents = 40;
 
-// Everything but the number of components, from frugal to lavish: columns of the grid (25 cost twice the bytes of
-// 17, and 16 components on it lost to 24 on 17), scale of the flat map, share of the baked geometry image.
+constexpr int kLeastGeometry = 16;  // texels per side
+
+// Everything but the number of components, from frugal to lavish: columns of the flat band's grid (more than 11 buy
+// less than more components do, but a lavish plan has enough of these), scale of the flat map, share of the baked
+// geometry image.
 std::vector<FusedPlan> structures(int geometry_side) {
   std::vector<FusedPlan> all;
-  for (const int phis : {13, 17})
+  for (const int phis : {7, 11, 17})
     for (const int scale : {1, 2})
-      for (const int share : {2, 1}) {
+      for (const int share : {4, 2, 1}) {
+        if (share > 1 && (geometry_side % share != 0 || geometry_side / share < kLeastGeometry)) continue;
         FusedPlan plan;
         plan.phis = phis;
         plan.flat_scale = scale;
@@ -28,9 +32,18 @@ std::vector<FusedPlan> structures(int geometry_side) {
   return all;
 }
 
+// The coarse band keeps step: as many components, and a grid finer by the same margin as in the default.
 FusedPlan withComponents(FusedPlan plan, int y) {
-  plan.y_components = y;
+  plan.y_components = plan.coarse_y = y;
+  plan.coarse_phis = plan.phis + FusedPlan{}.coarse_phis - FusedPlan{}.phis;
   return plan;
+}
+
+// Components that a search for the fewest bytes tries, in order.
+std::vector<int> componentSteps() {
+  std::vector<int> steps;
+  for (int y = 4; y <= kMostComponents; y += y < 16 ? 4 : 8) steps.push_back(y);
+  return steps;
 }
 
 Issue unreachable(const std::string& goal, const TradePoint& nearest) {
@@ -87,7 +100,7 @@ class Search {
   Result<Choice> fewestBytes() {
     std::optional<TradePoint> best, nearest;
     for (const FusedPlan& structure : structures(geometry_side_))
-      for (int y = 4; y <= kMostComponents; y += y < 16 ? 4 : 8) {
+      for (const int y : componentSteps()) {
         const FusedPlan plan = withComponents(structure, y);
         if (!fits(plan) || (best && bytes(plan) >= best->bytes)) break;
         const auto point = measured(plan);
@@ -113,6 +126,11 @@ class Search {
 Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
                           const std::function<Result<double>(const FusedPlan&)>& measure) {
   return Search(goal, side, geometry_side, measure).run();
+}
+
+int mostTrials(const Goal& goal, int geometry_side) {
+  const auto count = static_cast<int>(structures(geometry_side).size());
+  return goal.target_rmse > 0 ? count * static_cast<int>(componentSteps().size()) : count;
 }
 
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points) {

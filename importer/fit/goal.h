@@ -31,6 +31,9 @@ struct Choice {
 Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
                           const std::function<Result<double>(const FusedPlan&)>& measure);
 
+// Most calls of `measure` that choosePlan makes.
+int mostTrials(const Goal& goal, int geometry_side);
+
 // The measured plans that no other beats in both bytes and error, by bytes.
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points);
 

@@ -60,4 +60,14 @@ Indirection makeIndirection(int side, int flat_side, const DirectionSet& views, 
   return a;
 }
 
+Indirection identityIndirection(int texels, int views) {
+  Indirection a{texels, texels, views, {}};
+  a.taps.resize(size_t(views) * size_t(texels));
+  for (size_t i = 0; i < a.taps.size(); ++i) {
+    const auto t = static_cast<int32_t>(i % size_t(texels));
+    a.taps[i] = {{t, t, t, t}, {1, 0, 0, 0}};
+  }
+  return a;
+}
+
 }  // namespace loden::importer

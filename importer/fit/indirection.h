@@ -35,4 +35,7 @@ struct Indirection {
 Indirection makeIndirection(int side, int flat_side, const DirectionSet& views, const IndirectionLookup& lookup,
                             int threads);
 
+// Reads every texel where it is, in every view.
+Indirection identityIndirection(int texels, int views);
+
 }  // namespace loden::importer

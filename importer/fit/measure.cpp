@@ -50,9 +50,9 @@ void addBand(const DecodedBand& band, const Indirection& a, int view, int side, 
     if (channel == 0) luma = part;
   }
   if (band.factors.ratio.empty()) return;
-  Matrix ratio(static_cast<int>(band.factors.ratio.size()), 2);
+  Matrix ratio(static_cast<int>(band.factors.ratio[0].size()), 2);
   for (int t = 0; t < ratio.rows; ++t)
-    for (int c = 0; c < 2; ++c) ratio(t, c) = band.factors.ratio[size_t(t)][c];
+    for (int c = 0; c < 2; ++c) ratio(t, c) = band.factors.ratio[0][size_t(t)][c];
   const Matrix seen = weightsFor(band, ratio, a, view, side);
   const auto mean_of_view = eigen(mean).middleRows(Eigen::Index(view) * lights, lights);
   for (int c = 0; c < 2; ++c) {
@@ -90,7 +90,7 @@ BtfError measureError(const Material& material, const YccBtf& btf, const Directi
   std::vector<DecodedBand> bands;
   for (const Band& band : material.bands)
     if (windowWeight(band.window, 0.0f) > 0)
-      bands.push_back({unpackBand(band, material.grid, lights, views), band.domain == Domain::kFlat});
+      bands.push_back({unpackBand(band, tableGrid(band, material.theta_max), lights, views), band.domain == Domain::kFlat});
   const Matrix mean = sampleMean(material.mean, lights, views);
   std::vector<ViewError> errors(size_t(btf.views()));
   parallelFor(btf.views(), threads, [&](int v) {

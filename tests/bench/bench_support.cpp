@@ -41,7 +41,7 @@ Material plain(Mode mode, const char* name) {
   return material;
 }
 
-Band gridBand(const Material& material, Domain domain, uint32_t seed) {
+Band gridBand(Domain domain, uint32_t seed) {
   const bool flat = domain == Domain::kFlat;
   Band band;
   band.domain = domain;
@@ -54,8 +54,9 @@ Band gridBand(const Material& material, Domain domain, uint32_t seed) {
   const int side = flat ? kSide : kSide / 2;
   band.weights = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, band.layers(),
                        flat ? 1 : fullMipCount(side, side), seed);
-  band.table = noise(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, material.grid.phis,
-                     material.grid.thetas * material.grid.thetas, band.quads() * material.grid.phis, 1, seed + 1);
+  const DirectionGrid grid;
+  band.table = noise(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, grid.phis, grid.thetas * grid.thetas,
+                     band.quads() * grid.phis, 1, seed + 1);
   return band;
 }
 
@@ -93,8 +94,8 @@ Material fusedMaterial(uint32_t seed) {
   Material material = plain(Mode::kFused, "fused");
   material.lambda_max = 6;
   material.geometry = wavyGeometry(2 * kSide);
-  material.bands.push_back(gridBand(material, Domain::kFlat, seed));
-  material.bands.push_back(gridBand(material, Domain::kReference, seed + 5));
+  material.bands.push_back(gridBand(Domain::kFlat, seed));
+  material.bands.push_back(gridBand(Domain::kReference, seed + 5));
   return material;
 }
 

@@ -24,7 +24,7 @@ Material largeFused(uint32_t seed) {
   Material material = fusedMaterial();
   material.name = "large";
   material.side = 64;
-  material.grid = {6, 25, 1.3f};
+  material.theta_max = 1.3f;
   for (Band& band : material.bands) {
     const bool flat = band.domain == Domain::kFlat;
     band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, flat ? 64 : 32, flat ? 64 : 32,

@@ -49,7 +49,8 @@ TEST(BandPack, EightBitsReadBackWithinHalfACode) {
     for (double& v : c->weights.data) v = 5 * uniform(random);
     for (double& v : c->basis.data) v = 0.1 * uniform(random);
   }
-  for (int t = 0; t < 16; ++t) f.ratio.push_back({0.2 * uniform(random), 0.1 * uniform(random)});
+  f.ratio.emplace_back();
+  for (int t = 0; t < 16; ++t) f.ratio[0].push_back({0.2 * uniform(random), 0.1 * uniform(random)});
   const DirectionGrid grid = gridFor(set);
   for (TableLayout layout : {TableLayout::kNearest, TableLayout::kGrid}) {
     const Band band = packBand(f, set, set, {layout, Storage::kSnorm8, grid, 1, 0});
@@ -66,7 +67,7 @@ TEST(BandPack, EightBitsReadBackWithinHalfACode) {
         for (int k = 0; k < 2; ++k)
           EXPECT_NEAR(back.cr.weights(t, k) * back.cr.basis(i, k), f.cr.weights(t, k) * f.cr.basis(i, k), tolerance);
       }
-      EXPECT_NEAR(back.ratio[size_t(t)].x, f.ratio[size_t(t)].x, 0.001);
+      EXPECT_NEAR(back.ratio[0][size_t(t)].x, f.ratio[0][size_t(t)].x, 0.001);
     }
   }
 }

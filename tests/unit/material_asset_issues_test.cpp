@@ -279,7 +279,6 @@ TEST(AssetIssues, HeaderField) {
                          [](Material& m) { m.mean.ks = kNan; },
                          [](Material& m) { m.mean.alpha = -1; },
                          [](Material& m) { m.mean.chroma = static_cast<MeanChroma>(2); },
-                         [](Material& m) { m.grid.theta_max = kNan; },
                          [](Material& m) { m.name = "a\nb"; },
                          [](Material& m) { m.name = "\xC0\x80"; },
                          [](Material& m) { m.meta_json = "\xED\xA0\x80"; },
@@ -328,7 +327,7 @@ TEST(AssetIssues, BandField) {
                          [](Material& m) { m.bands[0].weights.mips = 9; },
                          [](Material& m) { m.bands[0].weights.depth = 1; },
                          [](Material& m) { m.bands[0].table.width = 4; },
-                         [](Material& m) { m.grid.phis = 6; },
+                         [](Material& m) { m.bands[1].table.height = 10; },
                      });
   Material spare = test::lodMaterial();
   spare.bands[2].weights.data.back() = std::byte{1};

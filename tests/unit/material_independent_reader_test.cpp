@@ -81,7 +81,6 @@ class Listing {
     line("theta_max", bits({m.theta_max}));
     const PhongMean& mean = m.mean;
     line("mean", bits({mean.ka, mean.kd, mean.ks, mean.alpha, mean.cb, mean.cr}), number(mean.chroma));
-    line("grid", m.grid.thetas, m.grid.phis, bits({m.grid.theta_max}));
     listDirections("lights", m.lights);
     listDirections("views", m.views);
   }

@@ -88,7 +88,6 @@ def read_head(head):
     print("value_scale", head.bits(1), head.u32())
     print("theta_max", head.bits(1))
     print("mean", head.bits(6), head.u32())
-    print("grid", *head.u32(2), head.bits(1))
     parts = head.u32()
     read_directions(head, "lights")
     read_directions(head, "views")

@@ -1,0 +1,23 @@
+// The reference-domain band that takes over where texels shrink: apparent reflectance, masking and shadowing
+// included, from half the resolution down to the full average.
+#pragma once
+
+#include "importer/fit/band_pack.h"
+#include "importer/fit/ycc_btf.h"
+
+namespace loden::importer {
+
+struct CoarseFitOptions {
+  int y_components = 20;  // the first carries the average
+  DirectionGrid grid;
+  int threads = 0;
+};
+
+// Factors over `half`, the finest level that the band gives. One basis serves all mips of the weights (the value is
+// linear in them), so it is chosen for the errors of all levels together, each counting twice as much as the finer
+// one before it, as its error shows on ever larger areas: a basis for the finest level alone spends itself on what averages away. Tables are solved on the grid. `mean`: value to take away,
+// (views * lights) x 3.
+BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views, const Matrix& mean,
+                      const CoarseFitOptions& options);
+
+}  // namespace loden::importer

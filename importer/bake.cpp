@@ -10,6 +10,7 @@
 
 #include "importer/bake_folder.h"
 #include "importer/bake_scene.h"
+#include "importer/charts.h"
 #include "importer/parameterize.h"
 #include "importer/progress.h"
 #include "material/issues.h"
@@ -37,6 +38,16 @@ Status checkOptions(const BakeOptions& o) {
   return {};
 }
 
+// Charts need a gutter of two texels in every map, so that no filter mixes them.
+Status checkGutters(const Tile& tile, const BakeManifest& m) {
+  if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
+  const double gutter = gutterOf(tile) + 1.0 / 256;  // gutterOf rounds down
+  const int least = std::min({m.size, m.flat_size, m.geometry_size}), needed = static_cast<int>(std::ceil(2 / gutter));
+  if (least >= needed) return {};
+  return Issue{issue_id::kOption, Severity::kError, "--size",
+               "the tile has several charts, and the gutters between them need at least " + std::to_string(needed) + " texels per side"};
+}
+
 BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const BakeOptions& o) {
   BakeManifest m;
   m.tile = tile_name;
@@ -46,6 +57,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.geometry_size = o.geometry_size > 0 ? o.geometry_size : std::max(128, o.size);
   m.supersample = o.supersample;
   m.bounces = o.bounces;
+  m.fill = o.fill;
   m.directions = o.directions.size() > 0 ? o.directions : bonn81Directions();
   if (o.maps.vdim) m.vdims = o.vdims;
   m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
@@ -149,6 +161,7 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   if (const Status status = checkOptions(options); !status) return status.issue();
   const auto start = std::chrono::steady_clock::now();
   const BakeManifest manifest = manifestOf(tile, tile_name, options);
+  if (const Status status = checkGutters(tile, manifest); !status) return status.issue();
   const auto ready = BakeFolder::prepare(folder, manifest, options.resume, options.shards > 1);
   if (!ready) return ready.issue();
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "importer/baked_output.h"
+#include "importer/fill_method.h"
 #include "importer/tile.h"
 
 namespace loden::importer {
@@ -22,6 +23,7 @@ struct BakeOptions {
   std::vector<glm::ivec2> vdims{{16, 16}, {8, 32}};
   int supersample = 2;      // samples per texel side
   int bounces = 0;          // 0: direct light and cast shadows
+  FillMethod fill = FillMethod::kPushPull;  // of texels that a view does not see
   BakeMaps maps;
   bool resume = false;      // keep what an interrupted run has finished
   int shard = 0, shards = 1;  // this process does views v with v % shards == shard

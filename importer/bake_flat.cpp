@@ -5,7 +5,6 @@
 
 #include "importer/bake_scene.h"
 #include "importer/local_brdf.h"
-#include "importer/push_pull.h"
 #include "importer/random.h"
 
 namespace loden::importer {
@@ -16,6 +15,7 @@ FlatBaker::FlatBaker(const BakeScene& scene) : scene_(scene), side_(scene.manife
   std::vector<std::vector<ParamSample>> located;
   for (int k = 0; k < per_texel_; ++k)
     located.push_back(locateParams(scene.tracer.tile(), side_, samplePosition(k, per_side)));
+  owners_ = ownersOf(scene.tracer.tile(), side_, located);
   const size_t texels = size_t(side_) * size_t(side_);
   first_.assign(1, 0);
   for (size_t t = 0; t < texels; ++t) {
@@ -62,7 +62,7 @@ FlatBaker::View FlatBaker::bakeView(int view) const {
     const FlushDenormals flush;
     bakeRow(row, view, result.atlas, result.visible);
   });
-  const PushPull fill(side_, result.visible);
+  const HoleFill fill(scene_.manifest.fill, side_, result.visible, owners_);
   tbb::parallel_for(0, layout.cells, [&](int light) {
     const FlushDenormals flush;
     std::vector<glm::vec3> texels(size_t(side_) * size_t(side_));

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "importer/bake_scene.h"
+#include "importer/charts.h"
 #include "importer/local_brdf.h"
-#include "importer/push_pull.h"
 #include "importer/random.h"
 #include "material/vdim.h"
 
@@ -69,27 +69,61 @@ Image bakeVdim(const BakeScene& scene, glm::ivec2 size) {
   return image;
 }
 
+std::vector<uint16_t> ownersOf(const Tile& tile, int side, const std::vector<std::vector<ParamSample>>& located) {
+  if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
+  std::vector<uint16_t> labels(size_t(side) * size_t(side), 0);
+  for (const auto& samples : located)
+    for (size_t t = 0; t < labels.size(); ++t)
+      if (labels[t] == 0 && samples[t].covered()) labels[t] = tile.charts[samples[t].triangle];
+  return chartOwners(side, labels);
+}
+
 namespace {
+
+// Texels beside a chart continue it: within kMargin of its border they count as its surface, so that patches
+// reach the border; further on they only lead searches back.
+constexpr double kMargin = 1.4143, kContinuation = 8;  // texels
+
+// Where the surface would be beyond its border, no further off than it would be on a map that stretches by
+// kMaxStretch.
+glm::dvec3 continuedPosition(const TileTracer& tracer, const ParamExtension& beyond, int side) {
+  constexpr double kMaxStretch = 8;
+  const glm::dvec3 border = tracer.pointOn(beyond.triangle, beyond.edge).position;
+  const glm::dvec3 off = tracer.pointOn(beyond.triangle, beyond.b).position - border;
+  const double longest = kMaxStretch * beyond.distance / side;
+  glm::dvec3 position = border + off * std::min(1.0, longest / std::max(glm::length(off), 1e-12));
+  position.z = std::clamp(position.z, tracer.zMin(), 0.0);
+  return position;
+}
 
 Image bakeGeometry(const BakeScene& scene) {
   const int side = scene.manifest.geometry_size;
   const Tile& tile = scene.tracer.tile();
   const auto located = locateParams(tile, side, glm::dvec2(0.5));
+  const auto beyond = extendParams(tile, side, kContinuation);
   Image image{side, side, 4, std::vector<float>(size_t(side) * size_t(side) * 4)};
+  const auto store = [&](size_t t, const glm::dvec3& position, const glm::dvec2& p, uint16_t chart) {
+    image.pixels[4 * t + 0] = float(position.x - p.x);
+    image.pixels[4 * t + 1] = float(position.y - p.y);
+    image.pixels[4 * t + 2] = float(position.z);
+    image.pixels[4 * t + 3] = float(chart);
+  };
   for (size_t t = 0; t < located.size(); ++t) {
-    if (!located[t].covered()) continue;
-    const TileHit hit = scene.tracer.pointOn(located[t].triangle, glm::dvec2(located[t].b));
-    image.pixels[4 * t + 0] = float(hit.position.x - hit.p.x);
-    image.pixels[4 * t + 1] = float(hit.position.y - hit.p.y);
-    image.pixels[4 * t + 2] = float(hit.position.z);
-    image.pixels[4 * t + 3] = float(tile.charts[located[t].triangle]);
+    if (located[t].covered()) {
+      const TileHit hit = scene.tracer.pointOn(located[t].triangle, glm::dvec2(located[t].b));
+      store(t, hit.position, hit.p, tile.charts[located[t].triangle]);
+    } else if (beyond[t].exists()) {
+      const uint32_t triangle = beyond[t].triangle;
+      const glm::dvec2 p = scene.tracer.pointOn(triangle, beyond[t].b).p;
+      store(t, continuedPosition(scene.tracer, beyond[t], side), p, beyond[t].distance <= kMargin ? tile.charts[triangle] : uint16_t(0));
+    }
   }
   return image;
 }
 
 // One map of `channels` values (1..3), its uncovered texels filled.
-Image filledMap(int side, int channels, std::span<const float> coverage, std::vector<glm::vec3> texels) {
-  PushPull(side, coverage).apply(texels);
+Image filledMap(int side, int channels, const HoleFill& fill, std::vector<glm::vec3> texels) {
+  fill.apply(texels);
   Image image{side, side, channels, {}};
   for (const glm::vec3& texel : texels)
     for (int c = 0; c < channels; ++c) image.pixels.push_back(texel[c]);
@@ -103,11 +137,13 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
   const size_t texels = size_t(side) * size_t(side);
   std::vector<float> coverage(texels);
   std::vector<glm::vec3> normal(texels), diffuse(texels), specular(texels);
+  std::vector<std::vector<ParamSample>> located;
   for (int k = 0; k < per_side * per_side; ++k) {
-    const auto located = locateParams(scene.tracer.tile(), side, samplePosition(k, per_side));
+    located.push_back(locateParams(scene.tracer.tile(), side, samplePosition(k, per_side)));
     for (size_t t = 0; t < texels; ++t) {
-      if (!located[t].covered()) continue;
-      const TileHit hit = scene.tracer.pointOn(located[t].triangle, glm::dvec2(located[t].b));
+      const ParamSample& at = located.back()[t];
+      if (!at.covered()) continue;
+      const TileHit hit = scene.tracer.pointOn(at.triangle, glm::dvec2(at.b));
       coverage[t] += 1;
       normal[t] += glm::vec3(hit.normal);
       diffuse[t] += hit.brdf.diffuse;
@@ -116,8 +152,9 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
   }
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] > 0) normal[t] /= coverage[t], diffuse[t] /= coverage[t], specular[t] /= coverage[t];
-  return {bakeGeometry(scene), filledMap(side, 3, coverage, std::move(normal)), filledMap(side, 3, coverage, std::move(diffuse)),
-          filledMap(side, 2, coverage, std::move(specular))};
+  const HoleFill fill(scene.manifest.fill, side, coverage, ownersOf(scene.tracer.tile(), side, located));
+  return {bakeGeometry(scene), filledMap(side, 3, fill, std::move(normal)), filledMap(side, 3, fill, std::move(diffuse)),
+          filledMap(side, 2, fill, std::move(specular))};
 }
 
 }  // namespace loden::importer

@@ -9,6 +9,7 @@
 #include "importer/baked_output.h"
 #include "importer/image_file.h"
 #include "importer/param_map.h"
+#include "importer/push_pull.h"
 #include "importer/tile_tracer.h"
 
 namespace loden::importer {
@@ -34,6 +35,10 @@ glm::dvec2 samplePosition(int k, int supersample);
 
 // Indirect light of one path per sample, added to values[light] (white units).
 void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed, glm::vec3* values);
+
+// Chart that each texel of a side x side map over p belongs to, gutters included; empty if there is one chart.
+// located: samples of the map, as many sets as there are samples per texel.
+std::vector<uint16_t> ownersOf(const Tile& tile, int side, const std::vector<std::vector<ParamSample>>& located);
 
 // One view of the BTF, as the atlas image of all lights (3 channels).
 Image bakeBtfView(const BakeScene& scene, int view);
@@ -64,6 +69,7 @@ class FlatBaker {
 
   const BakeScene& scene_;
   int side_ = 0, per_texel_ = 0;
+  std::vector<uint16_t> owners_;  // [flat texel], empty: one chart
   std::vector<uint32_t> first_;  // [flat texel + 1]: samples of each texel
   std::vector<Sample> samples_;
   size_t words_ = 0;

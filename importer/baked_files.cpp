@@ -63,6 +63,7 @@ std::string manifestText(const BakeManifest& m) {
   json["geometry_size"] = m.geometry_size;
   json["supersample"] = m.supersample;
   json["bounces"] = m.bounces;
+  json["fill"] = m.fill == FillMethod::kHarmonic ? "harmonic" : "push-pull";
   json["directions"] = directionsJson(m.directions);
   json["vdims"] = nlohmann::ordered_json::array();
   for (const glm::ivec2& size : m.vdims) json["vdims"].push_back({size.x, size.y});
@@ -85,6 +86,8 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     m.geometry_size = json.at("geometry_size").get<int>();
     m.supersample = json.at("supersample").get<int>();
     m.bounces = json.at("bounces").get<int>();
+    if (const std::string fill = json.value("fill", "push-pull"); fill == "harmonic") m.fill = FillMethod::kHarmonic;
+    else if (fill != "push-pull") return refuse("fill is neither push-pull nor harmonic");
     for (const int side : {m.size, m.flat_size, m.geometry_size})
       if (side < 1 || side > kMaxSide) return refuse("a size is outside 1.." + std::to_string(kMaxSide));
     const auto directions = directionsFromJson(json.at("directions"));

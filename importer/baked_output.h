@@ -4,12 +4,13 @@
 //   bake.json                  what, how, and from which input (hash); written last
 //   btf/view_VVVV.exr          per view: an atlas of light images, half RGB, columns = ceil(sqrt(lights)),
 //                              light l in cell (l % columns, l / columns); cell = size x size; row 0 is y = 0
-//   flat/view_VVVV.exr         the same over p, cell = flat_size x flat_size, holes filled
+//   flat/view_VVVV.exr         the same over p, cell = flat_size x flat_size, holes filled, gutters too
 //   visible/view_VVVV.png      8 bit, flat_size x flat_size: share of the texel's surface that this view sees
 //                              (0 = undefined before filling)
 //   vdim/latlong_ZxA.exr       float, channels: per (zenith z, azimuth a) a cell of size x size with
 //                              p - x (2 channels), cell (a, z); views as PaperVdim lays them out
-//   surface/geometry.exr       float: X - p.x, Y - p.y, Z, chart over p, geometry_size squared
+//   surface/geometry.exr       float: X - p.x, Y - p.y, Z, chart over p, geometry_size squared; charts reach a
+//                              texel beyond their borders; chart 0 is no surface, there XYZ only continue the nearest
 //   surface/normal.exr, diffuse.exr (RGB), specular.exr (strength, exponent): over p, flat_size squared
 #pragma once
 
@@ -20,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "importer/fill_method.h"
 #include "importer/tile.h"
 #include "material/directions.h"
 #include "material/result.h"
@@ -34,6 +36,7 @@ struct BakeManifest {
   int geometry_size = 128;
   int supersample = 2;
   int bounces = 0;
+  FillMethod fill = FillMethod::kPushPull;
   DirectionSet directions;  // lights and views alike
   std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
   bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;

@@ -299,18 +299,19 @@ Surface spongeSurface() {
 }  // namespace
 
 const std::vector<std::string>& builtinTileNames() {
-  static const std::vector<std::string> names{"button", "isba", "pulli", "sponge"};
+  static const std::vector<std::string> names{"button", "isba", "pulli", "sponge", "weave"};
   return names;
 }
 
 Result<Tile> builtinTile(const std::string& name, int resolution) {
   LODEN_CHECK_LT(2, resolution);
+  if (name == "weave") return finishTile(weaveTile(resolution), "builtin:weave");
   Surface surface;
   if (name == "button") surface = buttonSurface();
   else if (name == "isba") surface = isbaSurface();
   else if (name == "pulli") surface = pulliSurface();
   else if (name == "sponge") surface = spongeSurface();
-  else return Issue{issue_id::kOption, Severity::kError, "builtin:" + name, "no such tile; there are button, isba, pulli, sponge"};
+  else return Issue{issue_id::kOption, Severity::kError, "builtin:" + name, "no such tile; there are button, isba, pulli, sponge, weave"};
   return finishTile(gridTile(name, resolution, surface), "builtin:" + name);
 }
 

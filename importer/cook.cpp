@@ -51,10 +51,12 @@ Result<GeometryImage> geometryOf(const BakedOutput& input, int side) {
       uint16_t chart = 0xffff;
       for (int s = 0; s < step * step; ++s) {
         const glm::vec4& texel = (*baked)[size_t(j * step + s / step) * size_t(fine) + size_t(i * step + s % step)];
-        const auto of_texel = static_cast<uint16_t>(texel.w);
-        chart = chart == 0xffff || chart == of_texel ? of_texel : uint16_t(0);
+        // A texel beside a chart continues it, so one of the chart's own among them is enough.
+        if (const auto of_texel = static_cast<uint16_t>(texel.w); of_texel != 0)
+          chart = chart == 0xffff || chart == of_texel ? of_texel : uint16_t(0);
         sum += glm::dvec3(texel);
       }
+      if (chart == 0xffff) chart = 0;
       const glm::dvec3 mean = sum / double(step * step);
       const glm::dvec2 p((i + 0.5) / side, (j + 0.5) / side);
       positions.emplace_back(mean.x + p.x, mean.y + p.y, std::min(mean.z, 0.0));

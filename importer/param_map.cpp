@@ -1,9 +1,12 @@
 #include "importer/param_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "importer/periodic_noise.h"
+#include "importer/weld.h"
 
 namespace loden::importer {
 namespace {
@@ -28,7 +31,62 @@ void rasterize(const glm::dvec2 (&corner)[3], uint32_t triangle, int side, glm::
     }
 }
 
+// Edge k of a triangle runs from its corner k to the next.
+struct BorderEdge {
+  uint32_t triangle;
+  int corner;
+};
+
+std::vector<BorderEdge> borderEdges(const Tile& tile) {
+  std::vector<glm::dvec3> params;
+  for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
+  const auto same = weldVertices(params, {1, 1, 0}, 1e-9);
+  std::map<std::array<long, 5>, std::pair<int, BorderEdge>> uses;  // ends, periods between them, chart
+  for (uint32_t t = 0; t < tile.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t a = tile.triangles[t][k], b = tile.triangles[t][(k + 1) % 3];
+      const glm::dvec2 across = glm::round(tile.params[b] - tile.params[same[b]] - tile.params[a] + tile.params[same[a]]);
+      const long x = long(across.x), y = long(across.y);
+      const auto key = same[a] < same[b] ? std::array<long, 5>{long(same[a]), long(same[b]), x, y, tile.charts[t]}
+                                         : std::array<long, 5>{long(same[b]), long(same[a]), -x, -y, tile.charts[t]};
+      ++uses.try_emplace(key, 0, BorderEdge{t, k}).first->second.first;
+    }
+  std::vector<BorderEdge> edges;
+  for (const auto& [key, use] : uses)
+    if (use.first == 1) edges.push_back(use.second);
+  return edges;
+}
+
+void extendEdge(const Tile& tile, const BorderEdge& edge, int side, double radius, std::vector<ParamExtension>& cells) {
+  const glm::uvec3& v = tile.triangles[edge.triangle];
+  const glm::dvec2 corner[3] = {tile.params[v.x], tile.params[v.y], tile.params[v.z]};
+  const glm::dvec2 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  const double area = e1.x * e2.y - e1.y * e2.x;
+  if (area == 0) return;
+  const glm::dvec2 a = corner[edge.corner], along = corner[(edge.corner + 1) % 3] - a;
+  const auto weights = [&](glm::dvec2 p) {
+    const glm::dvec2 d = p - corner[0];
+    return glm::dvec2(d.x * e2.y - d.y * e2.x, e1.x * d.y - e1.y * d.x) / area;
+  };
+  const glm::dvec2 low = glm::min(a, a + along) * double(side) - radius, high = glm::max(a, a + along) * double(side) + radius;
+  for (int j = int(std::floor(low.y)); j <= int(std::ceil(high.y)); ++j)
+    for (int i = int(std::floor(low.x)); i <= int(std::ceil(high.x)); ++i) {
+      const glm::dvec2 p = (glm::dvec2(i, j) + 0.5) / double(side);
+      const glm::dvec2 nearest = a + along * std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0, 1.0);
+      const double distance = glm::distance(p, nearest) * side;
+      ParamExtension& cell = cells[size_t(wrapIndex(j, side)) * size_t(side) + size_t(wrapIndex(i, side))];
+      if (distance > radius || distance >= cell.distance) continue;
+      cell = {edge.triangle, weights(p), weights(nearest), distance};
+    }
+}
+
 }  // namespace
+
+std::vector<ParamExtension> extendParams(const Tile& tile, int side, double radius) {
+  std::vector<ParamExtension> cells(size_t(side) * size_t(side));
+  for (const BorderEdge& edge : borderEdges(tile)) extendEdge(tile, edge, side, radius, cells);
+  return cells;
+}
 
 std::vector<ParamSample> locateParams(const Tile& tile, int side, glm::dvec2 position) {
   std::vector<ParamSample> samples(size_t(side) * size_t(side));

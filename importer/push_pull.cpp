@@ -13,18 +13,18 @@ int lastChild(int k, int fine_side) { return std::min(2 * k + 1, fine_side - 1);
 
 }  // namespace
 
-PushPull::PushPull(int side, std::span<const float> weights) {
-  LODEN_CHECK_EQ(weights.size(), size_t(side) * size_t(side));
-  levels_.push_back({side, {}});
+PushPull::PushPull(glm::ivec2 size, glm::bvec2 wraps, std::span<const float> weights) : wraps_(wraps) {
+  LODEN_CHECK_EQ(weights.size(), size_t(size.x) * size_t(size.y));
+  levels_.push_back({size, {}});
   for (const float w : weights) levels_[0].weight.push_back(w > 0 ? 1.0f : 0.0f);
-  while (levels_.back().side > 1) {
+  while (levels_.back().size != glm::ivec2(1)) {
     const Level& fine = levels_.back();
-    Level coarse{(fine.side + 1) / 2, {}};
-    for (int j = 0; j < coarse.side; ++j)
-      for (int i = 0; i < coarse.side; ++i) {
+    Level coarse{(fine.size + 1) / 2, {}};
+    for (int j = 0; j < coarse.size.y; ++j)
+      for (int i = 0; i < coarse.size.x; ++i) {
         float sum = 0;
-        for (int y = 2 * j; y <= lastChild(j, fine.side); ++y)
-          for (int x = 2 * i; x <= lastChild(i, fine.side); ++x) sum += fine.weight[size_t(y * fine.side + x)];
+        for (int y = 2 * j; y <= lastChild(j, fine.size.y); ++y)
+          for (int x = 2 * i; x <= lastChild(i, fine.size.x); ++x) sum += fine.weight[size_t(y * fine.size.x + x)];
         coarse.weight.push_back(std::min(sum, 1.0f));
       }
     levels_.push_back(std::move(coarse));
@@ -39,34 +39,37 @@ void PushPull::apply(std::span<glm::vec3> texels) const {
   values[0].assign(texels.begin(), texels.end());
   for (size_t k = 1; k < levels_.size(); ++k) {
     const Level& fine = levels_[k - 1];
-    const int side = levels_[k].side;
-    values[k].resize(size_t(side * side));
-    for (int j = 0; j < side; ++j)
-      for (int i = 0; i < side; ++i) {
+    const glm::ivec2 size = levels_[k].size;
+    values[k].resize(size_t(size.x * size.y));
+    for (int j = 0; j < size.y; ++j)
+      for (int i = 0; i < size.x; ++i) {
         glm::vec3 sum(0);
         float weight = 0;
-        for (int y = 2 * j; y <= lastChild(j, fine.side); ++y)
-          for (int x = 2 * i; x <= lastChild(i, fine.side); ++x) {
-            const size_t texel = size_t(y * fine.side + x);
+        for (int y = 2 * j; y <= lastChild(j, fine.size.y); ++y)
+          for (int x = 2 * i; x <= lastChild(i, fine.size.x); ++x) {
+            const size_t texel = size_t(y * fine.size.x + x);
             sum += fine.weight[texel] * values[k - 1][texel];
             weight += fine.weight[texel];
           }
-        if (weight > 0) values[k][size_t(j * side + i)] = sum / weight;
+        if (weight > 0) values[k][size_t(j * size.x + i)] = sum / weight;
       }
   }
   // Push: what is missing comes from the level above, bilinearly.
   for (size_t k = levels_.size() - 1; k-- > 0;) {
     const Level& fine = levels_[k];
-    const int coarse_side = levels_[k + 1].side;
-    for (int j = 0; j < fine.side; ++j)
-      for (int i = 0; i < fine.side; ++i) {
-        const size_t texel = size_t(j * fine.side + i);
+    const glm::ivec2 size = levels_[k + 1].size;
+    const auto neighbour = [](int at, int step, int count, bool wraps) {
+      return wraps ? wrapIndex(at + step, count) : std::clamp(at + step, 0, count - 1);
+    };
+    for (int j = 0; j < fine.size.y; ++j)
+      for (int i = 0; i < fine.size.x; ++i) {
+        const size_t texel = size_t(j * fine.size.x + i);
         if (fine.weight[texel] >= 1) continue;
         const int x0 = i / 2, y0 = j / 2;
-        const int x1 = wrapIndex(x0 + (i % 2 ? 1 : -1), coarse_side), y1 = wrapIndex(y0 + (j % 2 ? 1 : -1), coarse_side);
+        const int x1 = neighbour(x0, i % 2 ? 1 : -1, size.x, wraps_.x), y1 = neighbour(y0, j % 2 ? 1 : -1, size.y, wraps_.y);
         const auto& coarse = values[k + 1];
-        const glm::vec3 near_row = 0.75f * coarse[size_t(y0 * coarse_side + x0)] + 0.25f * coarse[size_t(y0 * coarse_side + x1)];
-        const glm::vec3 far_row = 0.75f * coarse[size_t(y1 * coarse_side + x0)] + 0.25f * coarse[size_t(y1 * coarse_side + x1)];
+        const glm::vec3 near_row = 0.75f * coarse[size_t(y0 * size.x + x0)] + 0.25f * coarse[size_t(y0 * size.x + x1)];
+        const glm::vec3 far_row = 0.75f * coarse[size_t(y1 * size.x + x0)] + 0.25f * coarse[size_t(y1 * size.x + x1)];
         values[k][texel] = glm::mix(0.75f * near_row + 0.25f * far_row, values[k][texel], fine.weight[texel]);
       }
   }

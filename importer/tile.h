@@ -36,12 +36,13 @@ struct TileOptions {
   int subdivide = 0;  // OpenSubdiv levels, for a cage
 };
 
-// TILE of the command line: "builtin:button|isba|pulli|sponge" or a .gltf/.glb/.obj file of one period whose
+// TILE of the command line: "builtin:button|isba|pulli|sponge|weave" or a .gltf/.glb/.obj file of one period whose
 // TEXCOORD_0 is the parameterization; a connected tile without gets one (importer/parameterize.h). The tile comes
 // back scaled to period 1 with its top at z = 0.
 Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& options = {});
 
-// Procedural analogues of FBTF figure 1; `resolution` vertices per side of the deformed grid.
+// Procedural analogues of FBTF figure 1, and a weave of separate yarns; `resolution` vertices per side of the
+// deformed grid (along a yarn).
 Result<Tile> builtinTile(const std::string& name, int resolution = 192);
 const std::vector<std::string>& builtinTileNames();
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "importer/charts.h"
 #include "importer/parameterize.h"
 #include "importer/tile_internal.h"
 #include "importer/weld.h"
@@ -124,26 +125,6 @@ void completeNormals(Tile& tile) {
     const double length = glm::length(tile.normals[v]);
     tile.normals[v] = length > 0 ? tile.normals[v] / length : glm::dvec3(0, 0, 1);
   }
-}
-
-// Connected components of the parameterization, numbered from 1 by their first triangle.
-std::vector<uint16_t> findCharts(const Tile& tile) {
-  std::vector<glm::dvec3> params;
-  for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
-  std::vector<uint32_t> parent = weldVertices(params, {1, 1, 0}, kMatch * 0.01);
-  const auto root = [&](uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const glm::uvec3& t : tile.triangles)
-    for (int k = 1; k < 3; ++k) {
-      const uint32_t a = root(t[0]), b = root(t[k]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  std::map<uint32_t, uint16_t> number;
-  std::vector<uint16_t> charts;
-  for (const glm::uvec3& t : tile.triangles) charts.push_back(number.try_emplace(root(t.x), uint16_t(number.size() + 1)).first->second);
-  return charts;
 }
 
 // Facing up on the whole, and whether P.xy is p itself.

@@ -43,7 +43,6 @@ GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> position
   const glm::dvec3 unit = 1.0 / glm::max(glm::dvec3(image.range), glm::dvec3(1e-30));
   auto* codes = reinterpret_cast<uint16_t*>(image.texels.data.data());
   for (size_t k = 0; k < count; ++k, codes += 4) {
-    if (charts[k] == 0) continue;
     const glm::dvec2 d = displacement(k);
     codes[0] = encode(d.x * unit.x + 0.5);
     codes[1] = encode(d.y * unit.y + 0.5);

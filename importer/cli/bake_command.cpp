@@ -45,7 +45,7 @@ class BakeCommand : public Command {
   std::string_view summary() const override { return "Bake a tile: BTF, Flat-BTF, VDIM and surface maps into a folder"; }
 
   void declare(Options& options) override {
-    options.text("tile", tile_, "builtin:button|isba|pulli|sponge, or a .gltf, .glb or .obj file of one period", true);
+    options.text("tile", tile_, "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, "Folder to fill", true);
     options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
     options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
@@ -53,6 +53,7 @@ class BakeCommand : public Command {
     options.texts("--vdim", vdims_, "Indirection maps, latlong:ZxA, with commas between");
     options.integer("--supersample", bake_.supersample, "Samples per texel side", 1, 16);
     options.integer("--bounces", bake_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
+    options.choice("--fill", fill_, {"push-pull", "harmonic"}, "How texels that a view does not see are filled");
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
     options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
     options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
@@ -88,6 +89,7 @@ class BakeCommand : public Command {
       if (!vdim) return vdim.issue();
       bake_.vdims.push_back(*vdim);
     }
+    bake_.fill = fill_ == "harmonic" ? FillMethod::kHarmonic : FillMethod::kPushPull;
     const auto maps = parseMaps(maps_);
     if (!maps) return maps.issue();
     bake_.maps = *maps;
@@ -130,7 +132,7 @@ class BakeCommand : public Command {
               (complete ? "\n" : "; other shards are still to come\n"));
   }
 
-  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg";
+  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull";
   std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;

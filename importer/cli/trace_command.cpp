@@ -48,7 +48,7 @@ class TraceCommand : public Command {
   std::string_view summary() const override { return "Ray trace the tile itself on a surface: ground truth for pictures"; }
 
   void declare(Options& options) override {
-    options.text("tile", tile_, "builtin:button|isba|pulli|sponge, or a .gltf, .glb or .obj file of one period", true);
+    options.text("tile", tile_, "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, ".exr (linear RGBA), .hdr, .png or .jpg (sRGB)", true);
     options.choice("--surface", surface_, {"plane", "cylinder", "sphere"}, "What the tile covers; one period is 1/8 m");
     options.path("--camera", camera_, "JSON: position, target, up, fov_degrees; metres, z up");

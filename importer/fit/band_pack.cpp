@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/fit/ycc_btf.h"
+#include "importer/charts.h"
 #include "importer/fit/grid_table.h"
+#include "importer/fit/ycc_btf.h"
 #include "material/check.h"
 
 namespace loden::importer {
@@ -46,11 +47,29 @@ void storeLane(Texture& texture, int mip, int x, int y, int z, int lane, double 
   storeTexel(texture, mip, x, y, z, texel);
 }
 
-// `mips`: the first ones, one column each.
-void storeWeights(Texture& texture, int layer, int lane, const std::vector<Matrix>& mips, int side, double scale) {
+// Mean of the texels below that belong to the same chart.
+Matrix halvedInCharts(const Matrix& fine, int side, std::span<const uint16_t> owners, std::span<const uint16_t> halved) {
+  const int half = side / 2;
+  Matrix coarse(half * half, 1);
+  for (int j = 0; j < half; ++j)
+    for (int i = 0; i < half; ++i) {
+      const unsigned children = childrenOf(side, owners, halved, i, j);
+      double sum = 0, count = 0;
+      for (int k = 0; k < 4; ++k)
+        if (children >> k & 1) sum += fine((2 * j + k / 2) * side + 2 * i + k % 2, 0), ++count;
+      coarse(j * half + i, 0) = sum / count;
+    }
+  return coarse;
+}
+
+// `mips`: the first ones, one column each. owners: of mip 0 (PackOptions).
+void storeWeights(Texture& texture, int layer, int lane, const std::vector<Matrix>& mips, int side, double scale, std::vector<uint16_t> owners) {
   Matrix values;
   for (int mip = 0; mip < texture.mips; ++mip, side /= 2) {
-    values = size_t(mip) < mips.size() ? mips[size_t(mip)] : downsample(values, 2 * side, BoxFilter::k2x2);
+    auto halved = mip == 0 || owners.empty() ? owners : halvedOwners(2 * side, owners);
+    if (size_t(mip) < mips.size()) values = mips[size_t(mip)];
+    else values = owners.empty() ? downsample(values, 2 * side, BoxFilter::k2x2) : halvedInCharts(values, 2 * side, owners, halved);
+    owners = std::move(halved);
     for (int t = 0; t < side * side; ++t) storeLane(texture, mip, t % side, t / side, layer, lane, values.data[size_t(t)] / scale);
   }
 }
@@ -77,17 +96,17 @@ Matrix oneColumn(std::span<const double> values) {
   return m;
 }
 
-void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, int side, Storage storage) {
+void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, int side, const PackOptions& options) {
   for (int lane = 0; lane < 2; ++lane) {
     std::vector<Matrix> mips;
     double scale = 0;
     for (const std::vector<glm::dvec2>& mip : ratio) {
       mips.emplace_back(static_cast<int>(mip.size()), 1);
       for (size_t t = 0; t < mip.size(); ++t) mips.back().data[t] = mip[t][lane];
-      scale = std::max(scale, scaleOf(mips.back().data, storage));
+      scale = std::max(scale, scaleOf(mips.back().data, options.storage));
     }
     band.ratio_scale[lane] = static_cast<float>(scale);
-    storeWeights(band.weights, band.quads(), lane, mips, side, scale);
+    storeWeights(band.weights, band.quads(), lane, mips, side, scale, options.owners);
   }
 }
 
@@ -120,7 +139,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
       const Place place = placeOf(channel, c, band.y_quads);
       const double weight_scale = scaleOf(f.weights.col(c), options.storage);
       const double table_scale = scaleOf(tables.col(c), options.storage);
-      storeWeights(band.weights, place.quad, place.lane, {oneColumn(f.weights.col(c))}, factors.side, weight_scale);
+      storeWeights(band.weights, place.quad, place.lane, {oneColumn(f.weights.col(c))}, factors.side, weight_scale, options.owners);
       if (grid)
         storeGridTable(band.table, g, place, tables.col(c), table_scale);
       else
@@ -128,7 +147,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
       band.quad_scale[size_t(place.quad)][place.lane] = static_cast<float>(weight_scale * table_scale);
     }
   }
-  if (band.ratio) storeRatio(band, factors.ratio, factors.side, options.storage);
+  if (band.ratio) storeRatio(band, factors.ratio, factors.side, options);
   return band;
 }
 

@@ -32,6 +32,7 @@ struct PackOptions {
   DirectionGrid grid;        // of kGrid
   int mips = 1;              // of the weights, by 2 x 2 means
   int spare_layers = 0;      // zero layers behind the weights
+  std::vector<uint16_t> owners = {};  // [texel] chart of the weights: mips average inside one (charts.h); empty: one chart
 };
 
 // domain, filter, window and lambda_first are the caller's to set.

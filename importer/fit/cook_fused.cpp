@@ -1,5 +1,6 @@
 #include <optional>
 
+#include "importer/charts.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/coarse_fit.h"
 #include "importer/fit/flat_fit.h"
@@ -40,6 +41,7 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
   FlatFitOptions fit;
   fit.components = plan.y_components;
   fit.sweeps = plan.sweeps;
+  fit.owners = chartOwners(in.btf.side() * plan.flat_scale, in.material.geometry);
   fit.threads = in.threads;
   const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, Storage::kSnorm8);
   BandFactors factors;
@@ -55,7 +57,7 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
     factors.y = at_samples;
   }
   factors.ratio = {fitRatios(in.btf, at_samples, in.mean, in.material.mean, a, in.threads)};
-  Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, grid, kFlatMips, 0});
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, grid, kFlatMips, 0, fit.owners});
   band.domain = Domain::kFlat;
   band.lambda_first = kFlatFirst;
   band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};

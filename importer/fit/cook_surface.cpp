@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "importer/charts.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
@@ -9,28 +11,35 @@
 namespace loden::importer {
 namespace {
 
-// 2 x 2 means of a map over p.
-std::vector<glm::vec4> halved(const std::vector<glm::vec4>& fine, int side) {
+// 2 x 2 means of a map over p, each inside one chart.
+std::vector<glm::vec4> halved(const std::vector<glm::vec4>& fine, int side, std::span<const uint16_t> owners,
+                              std::span<const uint16_t> coarse_owners) {
   const int half = side / 2;
   std::vector<glm::vec4> coarse(size_t(half) * size_t(half));
-  const auto at = [&](int i, int j) { return fine[size_t(j) * size_t(side) + size_t(i)]; };
   for (int j = 0; j < half; ++j)
-    for (int i = 0; i < half; ++i)
-      coarse[size_t(j) * size_t(half) + size_t(i)] =
-          (at(2 * i, 2 * j) + at(2 * i + 1, 2 * j) + at(2 * i, 2 * j + 1) + at(2 * i + 1, 2 * j + 1)) * 0.25f;
+    for (int i = 0; i < half; ++i) {
+      const unsigned children = childrenOf(side, owners, coarse_owners, i, j);
+      glm::vec4 sum(0);
+      for (int k = 0; k < 4; ++k)
+        if (children >> k & 1) sum += fine[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
+      coarse[size_t(j) * size_t(half) + size_t(i)] = sum / float(std::popcount(children));
+    }
   return coarse;
 }
 
-Texture mipMapped(TexelFormat format, std::vector<glm::vec4> texels, int side) {
+Texture mipMapped(TexelFormat format, std::vector<glm::vec4> texels, int side, std::vector<uint16_t> owners) {
   Texture map = Texture::make(format, TextureShape::kArray2D, side, side, 1, fullMipCount(side, side));
   for (int mip = 0; mip < map.mips; ++mip, side /= 2) {
     for (int t = 0; t < side * side; ++t) storeTexel(map, mip, t % side, t / side, 0, texels[size_t(t)]);
-    if (side > 1) texels = halved(texels, side);
+    if (side <= 1) continue;
+    auto coarse_owners = owners.empty() ? owners : halvedOwners(side, owners);
+    texels = halved(texels, side, owners, coarse_owners);
+    owners = std::move(coarse_owners);
   }
   return map;
 }
 
-SurfaceMaps surfaceMaps(const BakedOutput::Surface& baked, int side) {
+SurfaceMaps surfaceMaps(const BakedOutput::Surface& baked, int side, const std::vector<uint16_t>& owners) {
   SurfaceMaps maps;
   for (const glm::vec2& s : baked.specular) maps.specular_scale = std::max(maps.specular_scale, s.x);
   std::vector<glm::vec4> normal, diffuse, specular;
@@ -40,9 +49,9 @@ SurfaceMaps surfaceMaps(const BakedOutput::Surface& baked, int side) {
     const float exponent = std::log2(std::max(baked.specular[t].y, 1.0f)) / 12;
     specular.emplace_back(baked.specular[t].x / maps.specular_scale, exponent, 0, 0);
   }
-  maps.normal = mipMapped(TexelFormat::kRGBA8Snorm, std::move(normal), side);
-  maps.diffuse = mipMapped(TexelFormat::kRGBA16Unorm, std::move(diffuse), side);
-  maps.specular = mipMapped(TexelFormat::kRG8Unorm, std::move(specular), side);
+  maps.normal = mipMapped(TexelFormat::kRGBA8Snorm, std::move(normal), side, owners);
+  maps.diffuse = mipMapped(TexelFormat::kRGBA16Unorm, std::move(diffuse), side, owners);
+  maps.specular = mipMapped(TexelFormat::kRG8Unorm, std::move(specular), side, owners);
   return maps;
 }
 
@@ -68,11 +77,11 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
   m.name = manifest.tile;
   m.side = manifest.size;
   m.value_scale = static_cast<float>(1 / kPi);
-  m.surface = surfaceMaps(*baked, manifest.flat_size);
-  m.lambda_max = static_cast<float>(m.surface->diffuse.mips - 1);
   auto geometry = geometryOf(input, 0);
   if (!geometry) return geometry.issue();
   m.geometry = std::move(*geometry);
+  m.surface = surfaceMaps(*baked, manifest.flat_size, chartOwners(manifest.flat_size, m.geometry));
+  m.lambda_max = static_cast<float>(m.surface->diffuse.mips - 1);
   // As published the indirection map itself is stored; it is also the only one where there is no geometry.
   if ((options.preset == Preset::kSeed || m.geometry.empty()) && !manifest.vdims.empty()) {
     const glm::ivec2 size = manifest.vdims.front();

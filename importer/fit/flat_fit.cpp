@@ -53,8 +53,8 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
 // sum_v A_v^T A_v D (E_v^T E_v) + smoothness * Laplacian(D): the normal operator of the D step.
 class NormalOperator {
  public:
-  NormalOperator(const Indirection& a, const MatrixXd& basis, double smoothness, int threads)
-      : a_(a), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(threads) {
+  NormalOperator(const Indirection& a, const MatrixXd& basis, const FlatFitOptions& options)
+      : a_(a), owners_(options.owners), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(options.threads) {
     const Index lights = basis.rows() / a.views;
     for (int v = 0; v < a.views; ++v) {
       const auto e = basis.middleRows(v * lights, lights);
@@ -67,7 +67,7 @@ class NormalOperator {
         for (int i = 0; i < 4; ++i)
           diagonal_.row(t.index[i]) += double(t.weight[i] * t.weight[i]) * grams_[size_t(v)].diagonal().transpose();
       }
-    smoothness_ = smoothness * diagonal_.mean();
+    smoothness_ = options.smoothness * diagonal_.mean();
     diagonal_.array() += 4 * smoothness_ + 1e-12 * diagonal_.maxCoeff() + 1e-300;
   }
 
@@ -95,13 +95,18 @@ class NormalOperator {
       for (int j = 0; j < side_; ++j)
         for (int i = 0; i < side_; ++i) {
           const int at = j * side_ + i;
-          const double neighbours = d(j * side_ + (i + 1) % side_, k) + d(j * side_ + (i + side_ - 1) % side_, k) +
-                                    d((j + 1) % side_ * side_ + i, k) + d((j + side_ - 1) % side_ * side_ + i, k);
+          const double neighbours = neighbour(d, k, at, j * side_ + (i + 1) % side_) + neighbour(d, k, at, j * side_ + (i + side_ - 1) % side_) +
+                                    neighbour(d, k, at, (j + 1) % side_ * side_ + i) + neighbour(d, k, at, (j + side_ - 1) % side_ * side_ + i);
           sum(at, k) += smoothness_ * (4 * d(at, k) - neighbours);
         }
   }
+  // The value next to a texel; its own where the next texel is another chart's, so that nothing pulls.
+  double neighbour(const Matrix& d, int k, int at, int next) const {
+    return owners_.empty() || owners_[size_t(at)] == owners_[size_t(next)] ? d(next, k) : d(at, k);
+  }
 
   const Indirection& a_;
+  const std::vector<uint16_t>& owners_;
   int side_, threads_;
   double smoothness_ = 0;
   std::vector<MatrixXd> grams_;
@@ -157,7 +162,7 @@ FlatFit fitFlat(const ColumnBlocks& b, const Indirection& a, const FlatFitOption
   Matrix weights = startWeights(b, a, options.components, options.threads);
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     const Pass pass = alternate(b, a, weights, options.threads);
-    const NormalOperator normal(a, pass.basis, options.smoothness, options.threads);
+    const NormalOperator normal(a, pass.basis, options);
     solveWeights(normal, pass.right, options.cg_steps, weights);
     weights = rotated(weights, pass.basis).weights;  // keeps E near orthonormal, which conditions the next D step
   }

@@ -13,6 +13,7 @@ struct FlatFitOptions {
   int sweeps = 6;            // alternations of E and D
   int cg_steps = 8;          // conjugate-gradient steps for D per alternation
   double smoothness = 1e-4;  // of D between neighbouring flat texels, relative; fills texels no view sees
+  std::vector<uint16_t> owners;  // [flat texel] chart: smoothness stays inside one; empty: one chart
   int threads = 0;
 };
 

@@ -1,4 +1,4 @@
-// The key test: shaders against the CPU evaluator, all three modes, all four tiles, at seeded
+// The key test: shaders against the CPU evaluator, all three modes, all builtin tiles, at seeded
 // (x, lambda, wi, wo). Materials are baked and cooked here, small but through the whole road.
 
 #include <epoxy/gl.h>
@@ -232,7 +232,7 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
   std::filesystem::remove_all(baked.folder);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli", "sponge"),
+INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli", "sponge", "weave"),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

@@ -30,6 +30,10 @@ glm::dvec3 faceNormal(const Tile& tile, const glm::uvec3& t) {
 class BuiltinTile : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(All, BuiltinTile, ::testing::ValuesIn(builtinTileNames()), [](const auto& tile) { return tile.param; });
 
+// Those that are one deformed grid over the whole parameter domain.
+class GridTile : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, GridTile, ::testing::Values("button", "isba", "pulli", "sponge"), [](const auto& tile) { return tile.param; });
+
 TEST_P(BuiltinTile, HasItsTopAtZeroAndStaysPlausible) {
   const Tile tile = *loadTile("builtin:" + GetParam());
   double top = -1, bottom = 0;
@@ -45,7 +49,7 @@ TEST_P(BuiltinTile, HasItsTopAtZeroAndStaysPlausible) {
   }
 }
 
-TEST_P(BuiltinTile, RepeatsExactly) {
+TEST_P(GridTile, RepeatsExactly) {
   constexpr int n = 40;
   const Tile tile = *builtinTile(GetParam(), n);
   for (int k = 0; k <= n; ++k) {
@@ -69,7 +73,7 @@ TEST_P(BuiltinTile, OverhangsWhereItShould) {
   for (size_t v = 0; v < tile.positions.size(); ++v) ASSERT_EQ(glm::dvec2(tile.positions[v]), tile.params[v]);
 }
 
-TEST_P(BuiltinTile, KeepsAreaRoughlyWhereItOverhangs) {
+TEST_P(GridTile, KeepsAreaRoughlyWhereItOverhangs) {
   const Tile tile = *builtinTile(GetParam());
   if (tile.identity_parameterization) GTEST_SKIP() << "height fields have p = xy";
   double sum = 0, squares = 0;  // of the area per parameter area; all triangles have the same parameter area
@@ -168,7 +172,7 @@ TEST(TileObj, DropsDegenerateAndDuplicateTriangles) {
 }
 
 class Parameterization : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(All, Parameterization, ::testing::ValuesIn(builtinTileNames()), [](const auto& tile) { return tile.param; });
+INSTANTIATE_TEST_SUITE_P(All, Parameterization, ::testing::Values("button", "isba", "pulli", "sponge"), [](const auto& tile) { return tile.param; });
 
 TEST_P(Parameterization, IsBijectiveAndEven) {
   const Tile tile = *builtinTile(GetParam(), 64);

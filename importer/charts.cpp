@@ -1,0 +1,237 @@
+#include "importer/charts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "importer/param_map.h"
+#include "importer/periodic_noise.h"
+#include "importer/weld.h"
+#include "material/check.h"
+#include "material/directions.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr double kSameParam = 1e-6;  // tile periods
+constexpr double kGutters[] = {1.0 / 16, 1.0 / 32, 1.0 / 64, 1.0 / 128};  // tile periods, tried in this order
+constexpr double kLeastUse = 0.3;  // share of the domain that charts should cover before a smaller gutter is tried
+
+// A chart's vertices and, after turning, its rectangle.
+struct Box {
+  std::vector<uint32_t> vertices;
+  glm::dvec2 low{0}, size{0};
+};
+
+std::vector<Box> boxesOf(const Tile& tile) {
+  std::vector<Box> boxes;
+  std::vector<uint16_t> chart_of(tile.params.size(), 0);
+  for (size_t t = 0; t < tile.triangles.size(); ++t) {
+    const uint16_t chart = tile.charts[t];
+    if (boxes.size() < chart) boxes.resize(chart);
+    for (int k = 0; k < 3; ++k) {
+      uint16_t& mine = chart_of[tile.triangles[t][k]];
+      LODEN_CHECK(mine == 0 || mine == chart);
+      if (mine == 0) boxes[chart - 1u].vertices.push_back(tile.triangles[t][k]);
+      mine = chart;
+    }
+  }
+  return boxes;
+}
+
+glm::dvec2 turned(glm::dvec2 p, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * p.x - s * p.y, s * p.x + c * p.y};
+}
+
+void measure(const Tile& tile, double angle, Box& box) {
+  glm::dvec2 low(1e300), high(-1e300);
+  for (const uint32_t v : box.vertices) {
+    const glm::dvec2 p = turned(tile.params[v], angle);
+    low = glm::min(low, p), high = glm::max(high, p);
+  }
+  box.low = low, box.size = high - low;
+}
+
+// Turned so that its rectangle is smallest and stands upright.
+void turnUpright(Tile& tile, Box& box) {
+  double best = 0, best_area = 1e300;
+  for (int degrees = 0; degrees < 90; ++degrees) {
+    measure(tile, degrees * kPi / 180, box);
+    const double area = box.size.x * box.size.y;
+    if (area < best_area * (1 - 1e-6)) best = degrees * kPi / 180, best_area = area;
+  }
+  measure(tile, best, box);
+  if (box.size.x > box.size.y) best += kPi / 2;
+  if (best != 0)
+    for (const uint32_t v : box.vertices) tile.params[v] = turned(tile.params[v], best);
+  measure(tile, 0, box);
+}
+
+// Rows of rectangles, the highest first; lower left corners, or nothing if they do not fit.
+std::vector<glm::dvec2> shelves(std::span<const Box> boxes, std::span<const size_t> order, double scale, double gutter) {
+  std::vector<glm::dvec2> corners(boxes.size());
+  glm::dvec2 at(0);
+  double row = 0;
+  for (const size_t k : order) {
+    const glm::dvec2 size = boxes[k].size * scale + gutter;
+    if (at.x + size.x > 1) at = {0, at.y + row}, row = 0;
+    row = std::max(row, size.y);
+    if (at.x + size.x > 1 || at.y + row > 1) return {};
+    corners[k] = at;
+    at.x += size.x;
+  }
+  return corners;
+}
+
+double largestScale(std::span<const Box> boxes, std::span<const size_t> order, double gutter) {
+  double low = 0, high = 1e3;
+  for (int step = 0; step < 60; ++step) {
+    const double scale = (low + high) / 2;
+    (shelves(boxes, order, scale, gutter).empty() ? high : low) = scale;
+  }
+  return low;
+}
+
+}  // namespace
+
+std::vector<uint16_t> findCharts(const Tile& tile) {
+  std::vector<glm::dvec3> params;
+  for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
+  std::vector<uint32_t> parent = weldVertices(params, {1, 1, 0}, kSameParam);
+  const auto root = [&](uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const glm::uvec3& t : tile.triangles)
+    for (int k = 1; k < 3; ++k) {
+      const uint32_t a = root(t[0]), b = root(t[k]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  std::map<uint32_t, uint16_t> number;
+  std::vector<uint16_t> charts;
+  for (const glm::uvec3& t : tile.triangles) charts.push_back(number.try_emplace(root(t.x), uint16_t(number.size() + 1)).first->second);
+  return charts;
+}
+
+double packCharts(Tile& tile) {
+  std::vector<Box> boxes = boxesOf(tile);
+  double area = 0;
+  for (Box& box : boxes) turnUpright(tile, box), area += box.size.x * box.size.y;
+  std::vector<size_t> order(boxes.size());
+  for (size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return boxes[a].size.y > boxes[b].size.y; });
+  double gutter = 0, scale = 0;
+  for (const double tried : kGutters) {
+    gutter = tried, scale = largestScale(boxes, order, gutter);
+    if (area * scale * scale >= kLeastUse) break;
+  }
+  LODEN_CHECK_LT(0.0, scale);
+  const auto corners = shelves(boxes, order, scale, gutter);
+  for (size_t k = 0; k < boxes.size(); ++k)
+    for (const uint32_t v : boxes[k].vertices)
+      tile.params[v] = corners[k] + gutter / 2 + (tile.params[v] - boxes[k].low) * scale;
+  return gutter;
+}
+
+double gutterOf(const Tile& tile) {
+  constexpr int kCells = 256;
+  std::vector<uint16_t> labels(size_t(kCells) * kCells, 0);
+  const auto located = locateParams(tile, kCells, glm::dvec2(0.5));
+  for (size_t t = 0; t < labels.size(); ++t)
+    if (located[t].covered()) labels[t] = tile.charts[located[t].triangle];
+  // Runs of free cells along rows and columns, between any two covered ones.
+  int least = kCells;
+  for (int axis = 0; axis < 2; ++axis)
+    for (int line = 0; line < kCells; ++line) {
+      const auto at = [&](int k) { return labels[size_t(axis == 0 ? line * kCells + k % kCells : k % kCells * kCells + line)]; };
+      int start = 0;
+      while (start < kCells && at(start) == 0) ++start;
+      if (start == kCells) continue;
+      int last = start;
+      for (int k = start + 1; k <= start + kCells; ++k) {
+        if (at(k) == 0) continue;
+        if (at(k) != at(last) || k - last > 1) least = std::min(least, k - last - 1);
+        last = k;
+      }
+    }
+  return double(least) / kCells;
+}
+
+std::vector<uint16_t> chartOwners(int side, std::span<const uint16_t> labels) {
+  LODEN_CHECK_EQ(labels.size(), size_t(side) * size_t(side));
+  // Each texel learns from its neighbours which labelled texel is nearest, until nothing changes.
+  struct Nearest {
+    uint16_t label = 0;
+    glm::ivec2 towards{0};
+    int squared = std::numeric_limits<int>::max();
+  };
+  std::vector<Nearest> now(labels.size());
+  for (size_t t = 0; t < labels.size(); ++t)
+    if (labels[t] != 0) now[t] = {labels[t], {0, 0}, 0};
+  for (bool changed = true; changed;) {
+    changed = false;
+    const std::vector<Nearest> before = now;
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        Nearest& mine = now[size_t(j) * size_t(side) + size_t(i)];
+        if (mine.squared == 0) continue;
+        for (int k = 0; k < 9; ++k) {
+          const glm::ivec2 step(k % 3 - 1, k / 3 - 1);
+          const Nearest& theirs = before[size_t(wrapIndex(j + step.y, side)) * size_t(side) + size_t(wrapIndex(i + step.x, side))];
+          if (theirs.label == 0) continue;
+          const glm::ivec2 towards = theirs.towards + step;
+          const int squared = towards.x * towards.x + towards.y * towards.y;
+          if (squared < mine.squared || (squared == mine.squared && theirs.label < mine.label))
+            mine = {theirs.label, towards, squared}, changed = true;
+        }
+      }
+  }
+  std::vector<uint16_t> owners;
+  for (const Nearest& nearest : now) owners.push_back(nearest.label);
+  return owners;
+}
+
+std::vector<uint16_t> chartOwners(int side, const GeometryImage& geometry) {
+  const int fine = geometry.side();
+  const auto* codes = reinterpret_cast<const uint16_t*>(geometry.texels.data.data());
+  std::vector<uint16_t> labels;
+  for (size_t t = 0; t < size_t(fine) * size_t(fine); ++t) labels.push_back(codes[4 * t + 3]);
+  const uint16_t highest = labels.empty() ? uint16_t(0) : *std::max_element(labels.begin(), labels.end());
+  if (std::all_of(labels.begin(), labels.end(), [&](uint16_t label) { return label == 0 || label == highest; })) return {};
+  const auto owners = chartOwners(fine, labels);
+  std::vector<uint16_t> result;
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) result.push_back(owners[size_t((2 * j + 1) * fine / (2 * side)) * size_t(fine) + size_t((2 * i + 1) * fine / (2 * side))]);
+  return result;
+}
+
+std::vector<uint16_t> halvedOwners(int side, std::span<const uint16_t> owners) {
+  const int half = side / 2;
+  std::vector<uint16_t> coarse;
+  for (int j = 0; j < half; ++j)
+    for (int i = 0; i < half; ++i) {
+      std::array<uint16_t, 4> four;
+      for (int k = 0; k < 4; ++k) four[size_t(k)] = owners[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
+      std::sort(four.begin(), four.end());
+      uint16_t best = four[0];
+      for (const uint16_t label : four)
+        if (std::count(four.begin(), four.end(), label) > std::count(four.begin(), four.end(), best)) best = label;
+      coarse.push_back(best);
+    }
+  return coarse;
+}
+
+unsigned childrenOf(int side, std::span<const uint16_t> owners, std::span<const uint16_t> halved, int i, int j) {
+  if (owners.empty()) return 15;
+  unsigned children = 0;
+  for (int k = 0; k < 4; ++k) {
+    const uint16_t owner = owners[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
+    if (owner == halved[size_t(j) * size_t(side / 2) + size_t(i)]) children |= 1u << k;
+  }
+  return children;
+}
+
+}  // namespace loden::importer

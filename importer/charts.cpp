@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "importer/param_map.h"
 #include "importer/periodic_noise.h"
@@ -95,12 +96,8 @@ double largestScale(std::span<const Box> boxes, std::span<const size_t> order, d
   return low;
 }
 
-}  // namespace
-
-std::vector<uint16_t> findCharts(const Tile& tile) {
-  std::vector<glm::dvec3> params;
-  for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
-  std::vector<uint32_t> parent = weldVertices(params, {1, 1, 0}, kSameParam);
+// Components of triangles that share vertices; parent: per vertex, a vertex that it is one with.
+std::vector<uint16_t> componentsOf(const Tile& tile, std::vector<uint32_t> parent) {
   const auto root = [&](uint32_t v) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
@@ -114,6 +111,43 @@ std::vector<uint16_t> findCharts(const Tile& tile) {
   std::vector<uint16_t> charts;
   for (const glm::uvec3& t : tile.triangles) charts.push_back(number.try_emplace(root(t.x), uint16_t(number.size() + 1)).first->second);
   return charts;
+}
+
+}  // namespace
+
+std::vector<uint16_t> findCharts(const Tile& tile) {
+  std::vector<glm::dvec3> params;
+  for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
+  return componentsOf(tile, weldVertices(params, {1, 1, 0}, kSameParam));
+}
+
+std::vector<uint16_t> chartsByVertices(const Tile& tile) {
+  std::vector<uint32_t> parent(tile.params.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  return componentsOf(tile, std::move(parent));
+}
+
+bool isAtlas(std::span<const glm::dvec2> params, std::span<const glm::uvec3> triangles) {
+  constexpr int kCells = 1024;
+  constexpr double kInside = 1e-6;  // samples this near to an edge may be of both its triangles
+  for (const glm::dvec2& p : params)
+    if (!(p.x >= 0 && p.y >= 0 && p.x <= 1 && p.y <= 1)) return false;
+  std::vector<bool> covered(size_t(kCells) * kCells, false);
+  for (const glm::uvec3& t : triangles) {
+    const glm::dvec2 a = params[t.x] * double(kCells), e1 = params[t.y] * double(kCells) - a, e2 = params[t.z] * double(kCells) - a;
+    const double area = e1.x * e2.y - e1.y * e2.x;
+    if (!(area > 0)) return false;
+    const glm::ivec2 first(glm::floor(a + glm::min(glm::dvec2(0), glm::min(e1, e2)))), last(glm::ceil(a + glm::max(glm::dvec2(0), glm::max(e1, e2))));
+    for (int j = std::max(first.y, 0); j < std::min(last.y, kCells); ++j)
+      for (int i = std::max(first.x, 0); i < std::min(last.x, kCells); ++i) {
+        const glm::dvec2 d = glm::dvec2(i, j) + 0.5 - a;
+        const double b1 = (d.x * e2.y - d.y * e2.x) / area, b2 = (e1.x * d.y - e1.y * d.x) / area;
+        if (b1 < kInside || b2 < kInside || b1 + b2 > 1 - kInside) continue;
+        if (covered[size_t(j) * kCells + size_t(i)]) return false;
+        covered[size_t(j) * kCells + size_t(i)] = true;
+      }
+  }
+  return true;
 }
 
 double packCharts(Tile& tile) {

@@ -15,6 +15,12 @@ namespace loden::importer {
 // Triangles are connected where they share a parameter, counted modulo the period.
 std::vector<uint16_t> findCharts(const Tile& tile);
 
+// The same by shared vertices alone, for charts that still lie on one another.
+std::vector<uint16_t> chartsByVertices(const Tile& tile);
+
+// Whether params lie in [0,1]^2, no triangle turned over and no two over each other (to a 1024th of the domain).
+bool isAtlas(std::span<const glm::dvec2> params, std::span<const glm::uvec3> triangles);
+
 // Moves, turns and scales the charts (all by one factor; vertices must not be shared between charts) into
 // disjoint rectangles of [0,1)^2, at least one gutter apart also across the period's border. Params in must
 // have the charts' areas in the wanted proportion. Returns the gutter, in periods: 1/16 (2 texels of a map

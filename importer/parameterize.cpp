@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "importer/weld.h"
 #include "material/issues.h"
@@ -17,6 +18,8 @@ namespace {
 
 constexpr double kTolerance = 1e-6;  // of equal positions, tile periods
 constexpr int kMaxIterations = 30;
+constexpr int kFewestVotes = 2;
+constexpr int kEnoughVotes = 4;  // a period needs this part of the most frequent distance's votes
 
 Issue refuse(int id, const std::string& where, const std::string& why) { return {id, Severity::kError, where, why}; }
 std::string triangleName(const std::string& where, size_t t) { return where + ": triangle " + std::to_string(t); }
@@ -219,9 +222,11 @@ Result<glm::dvec2> findPeriod(std::span<const glm::dvec3> positions, std::span<c
   std::map<std::pair<uint32_t, uint32_t>, int> uses;
   for (const glm::uvec3& t : triangles)
     for (int k = 0; k < 3; ++k) ++uses[std::minmax({same[t[k]], same[t[(k + 1) % 3]]})];
-  std::vector<glm::dvec3> border;
+  std::set<uint32_t> ends;
   for (const auto& [edge, count] : uses)
-    if (count == 1) border.push_back(positions[edge.first]), border.push_back(positions[edge.second]);
+    if (count == 1) ends.insert(edge.first), ends.insert(edge.second);
+  std::vector<glm::dvec3> border;
+  for (const uint32_t v : ends) border.push_back(positions[v]);
   glm::dvec2 period(0);
   for (int axis = 0; axis < 2; ++axis) {
     // Border vertices that differ along this axis only; the most frequent distance is the period.
@@ -231,8 +236,12 @@ Result<glm::dvec2> findPeriod(std::span<const glm::dvec3> positions, std::span<c
     std::map<long, int> votes;
     for (size_t v = 0; v < border.size(); ++v)
       if (const long d = std::lround(std::abs(border[v][axis] - border[group[v]][axis]) / (4 * tolerance)); d > 0) ++votes[d];
-    const auto best = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (best == votes.end())
+    // Pieces of the surface have equal borders on both sides as well: the largest distance with enough votes.
+    auto best = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    const int enough = best == votes.end() ? 0 : std::max(kFewestVotes, best->second / kEnoughVotes);
+    for (auto other = votes.begin(); other != votes.end(); ++other)
+      if (other->second >= enough && other->first > best->first) best = other;
+    if (best == votes.end() || best->second < kFewestVotes)
       return refuse(issue_id::kTileUv, where, "no texture coordinates (TEXCOORD_0), and none can be made: the borders in " +
                         std::string(axis == 0 ? "x" : "y") + " do not match each other one period on");
     double sum = 0;

@@ -137,7 +137,7 @@ TEST(TileObj, RefusesWhatIsNoTile) {
   EXPECT_EQ(refusal(folder.write("t.obj", "mtllib ../m.mtl\n")), issue_id::kGltfPath);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, nullptr))), issue_id::kTileUv);
   // Borders that do not match, a rotated parameterization, a period that is not square, the wrong side up.
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, kFlat, [](glm::dvec2 q) { return 0.9 * q; }))), issue_id::kTileUv);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, [](glm::dvec2 q) { return 0.9 * q; }))), issue_id::kTileUv);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x + 0.3 * q.y, q.y - 0.3 * q.x, 0); }, kSame))), issue_id::kTileUv);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x, 2 * q.y, 0); }, kSame))), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(1 - q.x, q.y, 0); }, kSame))), issue_id::kTileGeometry);

@@ -6,6 +6,7 @@
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
+#include "importer/packed_lod.h"
 #include "importer/picture.h"
 #include "material/asset.h"
 #include "material/issues.h"
@@ -70,7 +71,7 @@ class ExtractCommand : public Command {
     options.choice("--domain", domain_, {"reference", "flat"}, "reference: as seen, over x; flat: unwrapped, over p");
     options.choice("--lookup", lookup_, {"default", "fast", "paper", "none"}, "How the asset finds p");
     options.integer("--side", side_, "Texels per side; 0: the material's at lambda", 0, 8192);
-    options.text("--map", map_, "Write this stored map instead, for example normal or band0.weights");
+    options.text("--map", map_, "Write this stored map instead, for example normal or band0.weights; of a seed preset also packed.eigen and packed.weights (Ma et al. 2005, figure 5)");
     options.path("-o,--output", output_, ".exr (linear), .hdr, .png or .jpg (sRGB)", true);
     options.footer("Of a baked output, light and view are the nearest sampled ones; the report names them.");
   }
@@ -125,6 +126,12 @@ class ExtractCommand : public Command {
   Result<Picture> assetMap() {
     const auto material = readAsset(input_);
     if (!material) return material.issue();
+    if (map_ == "packed.eigen" || map_ == "packed.weights") {
+      const auto packed = packLod(*material);
+      if (!packed) return packed.issue();
+      report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
+      return map_ == "packed.eigen" ? packed->eigen : packed->weights;
+    }
     std::string known;
     for (const auto& [name, texture] : texturesOf(*material)) {
       report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};

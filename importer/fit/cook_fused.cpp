@@ -164,6 +164,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
     };
     auto choice = choosePlan(goal, btf->side(), baked->side(), trial);
     if (!choice) return choice.issue();
+    progress.advance(uint64_t(mostTrials(goal, baked->side())) - choice->measured.size());  // the search ended early
     plan = choice->plan;
     measured = std::move(choice->measured);
   }

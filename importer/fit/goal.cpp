@@ -91,7 +91,7 @@ class Search {
       if (!best || point->rmse_y < best->rmse_y) best = *point;
     }
     if (best) return finish(*best);
-    const FusedPlan least = withComponents(structures(geometry_side_).front(), 4);
+    const FusedPlan least = smallestPlan(geometry_side_);
     return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
                  "is too little: the smallest fused asset of this input takes " + std::to_string(bytes(least)) + " bytes"};
   }
@@ -132,6 +132,8 @@ int mostTrials(const Goal& goal, int geometry_side) {
   const auto count = static_cast<int>(structures(geometry_side).size());
   return goal.target_rmse > 0 ? count * static_cast<int>(componentSteps().size()) : count;
 }
+
+FusedPlan smallestPlan(int geometry_side) { return withComponents(structures(geometry_side).front(), 4); }
 
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points) {
   std::sort(points.begin(), points.end(), [](const TradePoint& a, const TradePoint& b) {

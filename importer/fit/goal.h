@@ -34,6 +34,9 @@ Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
 // Most calls of `measure` that choosePlan makes.
 int mostTrials(const Goal& goal, int geometry_side);
 
+// The most frugal plan of the search.
+FusedPlan smallestPlan(int geometry_side);
+
 // The measured plans that no other beats in both bytes and error, by bytes.
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points);
 

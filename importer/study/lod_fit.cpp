@@ -2,13 +2,16 @@
 // the sampled directions over all texels and pairs, and at random directions between them against the traced tile.
 // Fused rows go through the shader's own default lookup at the atlas size that gpu_bytes counts.
 #include <cmath>
+#include <tuple>
 
 #include "importer/cook.h"
 #include "importer/fit/fused_plan.h"
+#include "importer/fit/goal.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
+#include "importer/study/plot.h"
 #include "importer/study/random_directions.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
@@ -19,7 +22,7 @@ namespace loden::importer {
 namespace {
 
 constexpr int kReferenceSteps[] = {1, 2, 4, 8, 12, 16, 24};  // Y components, nested: one fit serves all
-constexpr int kFusedSteps[] = {4, 8, 12, 16, 24};            // one joint fit each
+constexpr int kFusedSteps[] = {4, 8, 12, 16, 20, 28};        // one joint fit each
 constexpr int kUnsampled = 20000;                            // random (texel, light, view)
 constexpr int kSubsamples = 4;                               // per texel side, of the traced truth
 
@@ -112,7 +115,7 @@ StudyRow errorRow(const RowContext& context, const Material& m, int y, uint64_t 
   const std::string counts = std::to_string(y) + "," + std::to_string(chroma) + "," + std::to_string(chroma);
   StudyRow row;
   row.set("tile", context.data.tile).set("size", context.data.size).set("mode", modeName(m.mode));
-  row.set("preset", context.preset).set("components", counts).set("storage", context.storage);
+  row.set("preset", context.preset).set("components", counts).set("y_components", y).set("storage", context.storage);
   row.set("coefficient_bytes", coefficients - dropped).set("file_bytes", rawFileBytes(m) - dropped);
   row.set("gpu_bytes", residentBytes(m, VdimAtlasSize{}) - dropped);
   const char* names[3] = {"y", "cb", "cr"};
@@ -149,16 +152,38 @@ Status addReferenceRows(const StudyOptions& options, const TileData& data, const
 
 Status addFusedRows(const StudyOptions& options, const TileData& data, const BakedOutput& baked,
                     const std::vector<Unsampled>& unsampled, StudyRows& rows) {
-  for (const int y : kFusedSteps) {
-    FusedPlan plan;
-    plan.y_components = y;
+  const auto add = [&](const FusedPlan& plan, const char* preset, bool between) -> Status {
     const auto geometry = geometryOf(baked, plan.geometry_side);
     if (!geometry) return geometry.issue();
     const FusedFit fit = fitFused(*data.source, data.btf, *geometry, plan, options.threads);
-    rows.push_back(errorRow({data, "game", "snorm8", "sampled"}, fit.material, y, 0, fit.error));
-    if (y == FusedPlan{}.y_components)
-      rows.push_back(errorRow({data, "game", "snorm8", "unsampled"}, fit.material, y, 0,
+    rows.push_back(errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, 0, fit.error));
+    if (between)
+      rows.push_back(errorRow({data, preset, "snorm8", "unsampled"}, fit.material, plan.y_components, 0,
                               unsampledError(fit.material, unsampled, options.threads)));
+    return {};
+  };
+  for (const int y : kFusedSteps) {
+    FusedPlan plan;
+    const bool usual = y == plan.y_components;
+    plan.y_components = y;
+    if (const Status s = add(plan, "game", usual); !s) return s;
+  }
+  return add(smallestPlan(baked.manifest().geometry_size), "smallest", false);
+}
+
+// LBTF figure 6 for all modes: the error of Y over components, and over the bytes of the coefficients.
+Status writePlots(const StudyRows& rows, const std::filesystem::path& folder) {
+  const auto series = [](const StudyRow& row) -> std::string {
+    const auto text = [&](const char* key) { return std::get<std::string>(*row.find(key)); };
+    if (text("directions") != "sampled" || text("preset") == "smallest") return {};
+    return text("mode") == "fused" ? "fused" : text("preset") == "seed" ? "lod, as published" : "lod, one basis, 8 bit";
+  };
+  const std::string title = "Error at the sampled directions", label = "RMSE of Y, white = 1";
+  for (const auto& [x, x_label, x_log, file] :
+       {std::tuple{"y_components", "Y components", false, "lod-fit-components.svg"},
+        std::tuple{"coefficient_bytes", "bytes of weights and tables", true, "lod-fit-bytes.svg"}}) {
+    const Plot plot{title, x_label, label, x_log, panelsOf(rows, x, "rmse_y", series)};
+    if (const Status s = writePlot(plot, folder / file); !s) return s;
   }
   return {};
 }
@@ -185,6 +210,8 @@ Result<StudyRows> studyLodFit(const StudyOptions& options) {
     if (const Status s = addFusedRows(options, data, *baked, *unsampled, rows); !s) return s.issue();
     progress.advance();
   }
+  if (!options.pictures.empty())
+    if (const Status s = writePlots(rows, options.pictures); !s) return s.issue();
   return rows;
 }
 

@@ -7,6 +7,7 @@
 #include "importer/fit/modes.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
+#include "importer/study/plot.h"
 #include "importer/study/study.h"
 #include "material/color.h"
 #include "material/evaluate.h"
@@ -97,6 +98,11 @@ Result<StudyRows> studyMinification(const StudyOptions& options) {
       truth = downsample(truth, BoxFilter::k2x2, options.threads);
     }
     progress.advance();
+  }
+  if (!options.pictures.empty()) {
+    const auto mode = [](const StudyRow& row) { return std::get<std::string>(*row.find("mode")); };
+    const Plot plot{"Value against the area-averaged truth", "lambda", "RMSE of Y, white = 1", false, panelsOf(rows, "lambda", "rmse_y", mode)};
+    if (const Status s = writePlot(plot, options.pictures / "minification.svg"); !s) return s.issue();
   }
   return rows;
 }

@@ -10,6 +10,7 @@
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
+#include "importer/packed_lod.h"
 #include "material/color.h"
 #include "material/evaluate.h"
 #include "tests/unit/fit_synthetic.h"
@@ -51,6 +52,44 @@ TEST(CookLod, SeedHasThePublishedLayout) {
     for (int k = 0; k < 2; ++k)
       EXPECT_NEAR(windowWeight(m->bands[size_t(k)].window, lambda), std::clamp(1 - lambda + k, 0.0, 1.0), 1e-12);
   EXPECT_EQ(windowWeight(m->bands[2].window, 2.0), 1);
+}
+
+// Ma et al. 2005, sections 3.3 and 3.4: from the two packed textures alone, as their shader reads them at level 0.
+double lumaFromPacked(const PackedLod& packed, const PhongMean& mean, const SyntheticSource& source, int levels, glm::ivec2 texel, int l, int v) {
+  const int lights = source.lights().size(), views = source.views().size();
+  double y = evaluateMean(mean, source.lights().samples[size_t(l)], source.views().samples[size_t(v)]).x;
+  glm::ivec2 corner(0);
+  for (int level = 0, side = packed.weights.width / 2; level < levels; ++level, side /= 2, texel /= 2) {
+    for (int quad = 0; quad < 2; ++quad)
+      y += double(glm::dot(packed.weights.at(corner.x + quad * side + texel.x, corner.y + texel.y),
+                           packed.eigen.at(quad * lights + l, level * views + v)));
+    corner += side;
+  }
+  return y;
+}
+
+TEST(CookLod, PacksAsPublished) {
+  const SyntheticSource source = parallaxSource(16);
+  CookOptions options;
+  options.mode = Mode::kLod;
+  options.preset = Preset::kSeed;
+  const auto m = cookLod(source, options);
+  ASSERT_TRUE(m.ok()) << m.issue().text;
+  const auto packed = packLod(*m);
+  ASSERT_TRUE(packed.ok()) << packed.issue().text;
+  EXPECT_EQ(packed->eigen.width, 3 * 81);
+  EXPECT_EQ(packed->eigen.height, 5 * 81);
+  EXPECT_EQ(packed->weights.width, 2 * 16);
+  EXPECT_EQ(packed->weights.height, 2 * 16);
+  const Evaluator evaluator(*m);
+  for (const glm::ivec4 at : {glm::ivec4(0, 0, 0, 0), glm::ivec4(3, 9, 17, 60), glm::ivec4(15, 6, 80, 33)}) {
+    const glm::dvec2 x = (glm::dvec2(at.x, at.y) + 0.5) / 16.0;
+    const glm::dvec3 wi = source.lights().samples[size_t(at.z)], wo = source.views().samples[size_t(at.w)];
+    const double y = yccFromRgb(evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo)).x;
+    EXPECT_NEAR(lumaFromPacked(*packed, m->mean, source, 5, {at.x, at.y}, at.z, at.w), y, 1e-6);  // 32-bit floats
+  }
+  options.preset = Preset::kGame;
+  EXPECT_FALSE(packLod(*cookLod(source, options)).ok());
 }
 
 TEST(CookLod, RefusesLevelsThatDoNotDivide) {

@@ -153,23 +153,27 @@ tool() {
   "$@" >>"$log" || die "$what: exit status $?; command: $*"
 }
 
-# bake_tile TILE: prints the folder; bakes unless the same tool made it with the same options before.
-# An interrupted bake goes on where it stopped; bake.json is written last.
+# bake_tile TILE: prints the folder. The tool goes on with an interrupted bake, keeps a finished one, and refuses one
+# of another tile or version (exit status 2), which is then baked anew.
 bake_tile() {
-  local options=(--size 64 --directions bonn81)
-  local folder
-  folder=out/bake/$1-$(key bake "$1" "${options[@]}")
-  if [[ ! -e $folder/bake.json ]]; then
-    tool "baking $1" "$BIN/loden" bake "builtin:$1" -o "$folder" "${options[@]}" --resume
-  fi
+  local folder=out/bake/$1-64 command status=0
+  command=("$BIN/loden" bake "builtin:$1" -o "$folder" --size 64 --directions bonn81)
+  say "baking $1"
+  printf '+ %s\n' "${command[*]} --resume" >>"$LOGS/tools.log"
+  "${command[@]}" --resume >>"$LOGS/tools.log" || status=$?
+  case $status in
+    0) ;;
+    2) tool "baking $1 anew" "${command[@]}" ;;
+    *) die "baking $1: exit status $status; command: ${command[*]} --resume" ;;
+  esac
   echo "$folder"
 }
 
-# cook_tile TILE FOLDER NAME OPTION...: prints the asset's path; cooks unless it is there.
+# cook_tile TILE FOLDER NAME OPTION...: prints the asset's path; cooks unless this tool cooked the same bake before.
 cook_tile() {
   local tile=$1 folder=$2 name=$3 asset
   shift 3
-  asset=out/assets/$tile-$name-$(key cook "$folder" "$@").loden
+  asset=out/assets/$tile-$name-$(key cook "$(<"$folder/bake.json")" "$@").loden
   if [[ ! -e $asset ]]; then
     mkdir -p out/assets
     tool "cooking $tile, $name" "$BIN/loden" cook "$folder" -o "$asset" "$@"

@@ -57,7 +57,7 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
   const std::string wanted = manifestText(manifest), present = presentManifest(folder);
   if (!present.empty() && present != wanted && (resume || shared))
     return Issue{issue_id::kExists, Severity::kError, folder.string(),
-                 "holds a bake of another tile or with other options; choose an empty folder, or bake without --resume and --shard"};
+                 "holds a bake of another tile, with other options or by another version; choose an empty folder, or bake without --resume and --shard"};
   std::error_code error;
   const bool fresh = present != wanted;
   if (const std::string part = present.empty() ? foreignPart(folder) : std::string(); !part.empty())

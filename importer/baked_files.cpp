@@ -56,6 +56,7 @@ AtlasLayout AtlasLayout::forLights(int side, int lights) {
 std::string manifestText(const BakeManifest& m) {
   nlohmann::ordered_json json;
   json["schema"] = kSchema;
+  json["revision"] = m.revision;
   json["tile"] = m.tile;
   json["input_hash"] = m.input_hash;
   json["size"] = m.size;
@@ -85,6 +86,7 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     m.flat_size = json.at("flat_size").get<int>();
     m.geometry_size = json.at("geometry_size").get<int>();
     m.supersample = json.at("supersample").get<int>();
+    m.revision = json.value("revision", 0);  // baked by other tools
     m.bounces = json.at("bounces").get<int>();
     if (const std::string fill = json.value("fill", "push-pull"); fill == "harmonic") m.fill = FillMethod::kHarmonic;
     else if (fill != "push-pull") return refuse("fill is neither push-pull nor harmonic");

@@ -28,7 +28,11 @@
 
 namespace loden::importer {
 
+// Raised when the same tile and options bake to other pixels than before.
+inline constexpr int kBakeRevision = 1;
+
 struct BakeManifest {
+  int revision = kBakeRevision;
   std::string tile;         // as given to `loden bake`
   std::string input_hash;   // XXH3-128 of the tile's geometry, hex
   int size = 64;            // reference texels per side

@@ -10,7 +10,7 @@ namespace loden::importer {
 namespace {
 
 // Pixels.
-constexpr double kPanel = 220, kGap = 24, kLeft = 64, kTop = 60, kBottom = 44;
+constexpr double kPanel = 220, kGap = 24, kLeft = 64, kTop = 60, kBottom = 44, kLeast = 560;
 constexpr const char* kColors[] = {"#1b6ca8", "#d1495b", "#2e8b57", "#8a6fb0", "#c77d0a", "#555555"};
 
 // Data to pixels within a panel.
@@ -24,9 +24,9 @@ struct Axes {
   double y(double value) const { return kPanel * (1 - value / y_high); }
 };
 
-// 1, 2 or 5 times a power of ten, so that about four steps fill the range.
+// 1, 2 or 5 times a power of ten, so that about five steps fill the range.
 double niceStep(double range) {
-  const double rough = range / 4, power = std::pow(10, std::floor(std::log10(rough)));
+  const double rough = range / 5, power = std::pow(10, std::floor(std::log10(rough)));
   for (const double factor : {1.0, 2.0, 5.0})
     if (factor * power >= rough) return factor * power;
   return 10 * power;
@@ -170,7 +170,7 @@ std::vector<PlotPanel> panelsOf(const StudyRows& rows, std::string_view x, std::
 std::string plotSvg(const Plot& plot) {
   const Axes axes = axesOf(plot);
   const auto panels = double(plot.panels.size());
-  Svg svg(kLeft + panels * (kPanel + kGap), kTop + kPanel + kBottom);
+  Svg svg(std::max(kLeft + panels * (kPanel + kGap), kLeast), kTop + kPanel + kBottom);
   svg.label(kLeft, 18, "start", plot.title + "; " + plot.y_label);
   drawLegend(svg, plot);
   for (size_t i = 0; i < plot.panels.size(); ++i)

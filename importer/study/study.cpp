@@ -49,8 +49,8 @@ Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& ti
     auto baked = BakedOutput::open(folder);
     if (!baked) return baked;
     const BakeManifest& m = baked->manifest();
-    const bool same_size = m.size == options.size && m.flat_size == (flat_size ? flat_size : options.size);
-    if (same_size && m.directions.samples == bonn81Directions().samples && m.input_hash == tileHash(*loaded)) return baked;
+    const bool same = m.revision == kBakeRevision && m.size == options.size && m.flat_size == (flat_size ? flat_size : options.size);
+    if (same && m.directions.samples == bonn81Directions().samples && m.input_hash == tileHash(*loaded)) return baked;
   }
   BakeOptions bake_options;
   bake_options.size = options.size;

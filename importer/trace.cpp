@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "importer/bent_tiles.h"
 #include "importer/local_brdf.h"
+#include "importer/panorama_lights.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
 #include "importer/random.h"
@@ -18,67 +22,88 @@ namespace {
 class World {
  public:
   virtual ~World() = default;
-  virtual glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, uint64_t seed) const = 0;
+  virtual glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction,
+                              std::span<const LightSample> lights, uint64_t seed) const = 0;
 };
 
 // The plane's tangent frame is the world's, so directions need no change.
 class PlaneWorld : public World {
  public:
   PlaneWorld(const Tile& tile, const TraceOptions& options)
-      : tracer_(tile), surface_(analyticSurface(SurfaceKind::kPlane)), light_(options.light), bounces_(options.bounces) {
+      : tracer_(tile), surface_(analyticSurface(SurfaceKind::kPlane)), bounces_(options.bounces) {
     corner_ = surfaceFrame(surface_, {0, 0}).position;
     extent_ = surfaceFrame(surface_, {1, 1}).position - corner_;
   }
 
-  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, uint64_t seed) const override {
+  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, std::span<const LightSample> lights,
+                      uint64_t seed) const override {
     if (!(direction.z < 0) || origin.z <= 0) return glm::dvec4(0);
     const glm::dvec3 point = origin - direction * (origin.z / direction.z);
     const glm::dvec2 st = (glm::dvec2(point) - glm::dvec2(corner_)) / glm::dvec2(extent_);
     if (st.x < 0 || st.x > 1 || st.y < 0 || st.y > 1) return glm::dvec4(0);
     const auto hit = tracer_.intersectView(st * surface_.tiles, -direction);
-    if (!hit || light_.z <= 0) return {0, 0, 0, 1};
-    return {shadeHit(tracer_, *hit, light_, -direction, bounces_, seed), 1};
+    glm::dvec3 sum(0);
+    for (const LightSample& light : lights)
+      if (hit && light.direction.z > 0)
+        sum += light.weight * shadeHit(tracer_, *hit, light.direction, -direction, bounces_, seed);
+    return {sum, 1};
   }
 
  private:
   TileTracer tracer_;
   AnalyticSurface surface_;
-  glm::dvec3 light_, corner_{0}, extent_{0};
+  glm::dvec3 corner_{0}, extent_{0};
   int bounces_;
 };
 
 class BentWorld : public World {
  public:
   BentWorld(const Tile& tile, const TraceOptions& options)
-      : tiles_(tile, analyticSurface(options.surface)), light_(options.light), bounces_(options.bounces) {}
+      : tiles_(tile, analyticSurface(options.surface)), bounces_(options.bounces) {}
 
-  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, uint64_t seed) const override {
+  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, std::span<const LightSample> lights,
+                      uint64_t seed) const override {
     const auto hit = tiles_.intersect(origin, direction);
     if (!hit || glm::dot(hit->geometric_normal, direction) >= 0) return glm::dvec4(0);  // nothing is seen from inside
-    return {shade(*hit, -direction, bounces_, seed), 1};
+    glm::dvec3 sum(0);
+    for (const LightSample& light : lights) sum += light.weight * shade(*hit, light.direction, -direction, bounces_, seed);
+    return {sum, 1};
   }
 
  private:
   // As shadeHit, for the plane.
-  glm::dvec3 shade(const BentHit& hit, const glm::dvec3& wo, int bounces, uint64_t seed) const {
+  glm::dvec3 shade(const BentHit& hit, const glm::dvec3& wi, const glm::dvec3& wo, int bounces, uint64_t seed) const {
     glm::dvec3 value(0);
-    const double cosine = glm::dot(hit.normal, light_);
-    if (cosine > 0 && !tiles_.occluded(hit.ray_origin, light_))
-      value = reflectance(hit.brdf, hit.normal, light_, wo) * cosine;
+    const double cosine = glm::dot(hit.normal, wi);
+    if (cosine > 0 && !tiles_.occluded(hit.ray_origin, wi)) value = reflectance(hit.brdf, hit.normal, wi, wo) * cosine;
     if (bounces <= 0) return value;
     const glm::dvec3 direction = cosineDirection(hit.normal, uniform(seed, 0), uniform(seed, 1));
     const auto next = tiles_.intersect(hit.ray_origin, direction);
     if (!next || glm::dot(next->geometric_normal, direction) >= 0) return value;
-    const glm::dvec3 incoming = shade(*next, -direction, bounces - 1, mixSeed(seed, 2));
+    const glm::dvec3 incoming = shade(*next, wi, -direction, bounces - 1, mixSeed(seed, 2));
     return value + reflectance(hit.brdf, hit.normal, direction, wo) * incoming;
   }
 
   BentTiles tiles_;
-  glm::dvec3 light_;
   int bounces_;
 };
 
-glm::vec4 pixelAverage(const World& world, const TraceOptions& options, int x, int y) {
+// The lights of one sample: the directional one, and one of the environment's.
+struct Lights {
+  explicit Lights(const TraceOptions& options) : light(options.light) {
+    if (options.environment) panorama.emplace(*options.environment);
+  }
+  std::vector<LightSample> draw(uint64_t seed) const {
+    std::vector<LightSample> lights;
+    if (light) lights.push_back({*light, glm::dvec3(1)});
+    if (panorama) lights.push_back(panorama->sample(uniform(seed, 0), uniform(seed, 1), uniform(seed, 2)));
+    return lights;
+  }
+  std::optional<glm::dvec3> light;
+  std::optional<PanoramaLights> panorama;
+};
+
+glm::vec4 pixelAverage(const World& world, const Lights& lights, const TraceOptions& options, int x, int y) {
   const int strata = std::max(1, static_cast<int>(std::lround(std::sqrt(options.samples))));
   const uint64_t pixel_seed = mixSeed(0x10DE, uint64_t(y) * options.width + x);
   glm::dvec4 sum(0);
@@ -86,7 +111,7 @@ glm::vec4 pixelAverage(const World& world, const TraceOptions& options, int x, i
     const uint64_t seed = mixSeed(pixel_seed, s);
     const double px = x + (s % strata + uniform(seed, 0)) / strata, py = y + (s / strata + uniform(seed, 1)) / strata;
     const glm::dvec3 direction = cameraRay(options.camera, px, py, options.width, options.height);
-    sum += world.radiance(options.camera.position, direction, mixSeed(seed, 2));
+    sum += world.radiance(options.camera.position, direction, lights.draw(mixSeed(seed, 3)), mixSeed(seed, 2));
   }
   return sum / double(strata * strata);
 }
@@ -99,12 +124,13 @@ Result<Picture> trace(const Tile& tile, const TraceOptions& options) {
   std::unique_ptr<World> world;
   if (options.surface == SurfaceKind::kPlane) world = std::make_unique<PlaneWorld>(tile, options);
   else world = std::make_unique<BentWorld>(tile, options);
+  const Lights lights(options);
   Picture picture{options.width, options.height, std::vector<glm::vec4>(size_t(options.width) * options.height)};
   Progress progress("trace", options.height, options.quiet);
   parallelFor(options.height, options.threads, [&](size_t y) {
     const FlushDenormals flush;
     for (int x = 0; x < options.width; ++x)
-      picture.at(x, static_cast<int>(y)) = pixelAverage(*world, options, x, static_cast<int>(y));
+      picture.at(x, static_cast<int>(y)) = pixelAverage(*world, lights, options, x, static_cast<int>(y));
     progress.advance();
   });
   return picture;

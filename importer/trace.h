@@ -1,16 +1,22 @@
 // Ground truth: pictures of a tile on a surface, by tracing the tile itself.
 #pragma once
 
+#include <optional>
+
 #include "importer/picture.h"
 #include "importer/tile.h"
 #include "material/analytic_surface.h"
+#include "material/environment.h"
 
 namespace loden::importer {
 
 struct TraceOptions {
   SurfaceKind surface = SurfaceKind::kPlane;
   Camera camera;
-  glm::dvec3 light{0, 0, 1};  // world space, unit, towards the light; perpendicular irradiance pi (white Lambert = 1)
+  // World space, unit, towards the light; perpendicular irradiance pi (white Lambert = 1). None: no such light.
+  std::optional<glm::dvec3> light = glm::dvec3(0, 0, 1);
+  // Light from all around, z up; 1 everywhere makes white Lambert 1. One random light of it per sample.
+  std::optional<Panorama> environment;
   int width = 800, height = 600;
   int samples = 16;           // per pixel, stratified over its area; the square root is rounded
   int bounces = 0;            // 0: direct light and cast shadows

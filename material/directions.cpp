@@ -168,4 +168,27 @@ template glm::vec<2, double> diskFromSquare(glm::vec<2, double>);
 template glm::vec<2, float> squareFromDisk(glm::vec<2, float>);
 template glm::vec<2, double> squareFromDisk(glm::vec<2, double>);
 
+template <class T>
+glm::vec<3, T> clampTheta(const glm::vec<3, T>& w, T theta_max) {
+  const T cosine = std::cos(theta_max);
+  if (w.z >= cosine) return w;
+  const T sine = std::sqrt(w.x * w.x + w.y * w.y);
+  const T scale = std::sin(theta_max) / std::max(sine, T(1e-6));
+  return {w.x * scale, w.y * scale, cosine};
+}
+
+template glm::vec3 clampTheta(const glm::vec3&, float);
+template glm::dvec3 clampTheta(const glm::dvec3&, double);
+
+template <class T>
+glm::vec<2, T> gridPosition(const glm::vec<3, T>& w, T theta_max) {
+  const T theta = std::acos(std::clamp(w.z, T(-1), T(1)));
+  T phi = w.x == 0 && w.y == 0 ? T(0) : std::atan2(w.y, w.x);
+  if (phi < 0) phi += T(2 * kPi);
+  return {phi / T(2 * kPi), std::min(theta / theta_max, T(1))};
+}
+
+template glm::vec2 gridPosition(const glm::vec3&, float);
+template glm::dvec2 gridPosition(const glm::dvec3&, double);
+
 }  // namespace loden

@@ -52,6 +52,14 @@ std::string directionsName(const DirectionSet& set);
 const std::vector<Ring>& bonn81Rings();
 const std::vector<Ring>& ubo151Rings();
 
+// The direction, at most theta_max (radians) from the normal, at its own azimuth.
+template <class T>
+glm::vec<3, T> clampTheta(const glm::vec<3, T>& w, T theta_max);
+
+// (phi / 2 pi, theta / theta_max), 0..1: where a direction stands in any lat-long grid up to theta_max.
+template <class T>
+glm::vec<2, T> gridPosition(const glm::vec<3, T>& w, T theta_max);
+
 // Index of the nearest sample by angle; ties go to the lower index.
 int nearestDirection(const DirectionSet& set, const glm::dvec3& w);
 

@@ -3,6 +3,7 @@
 #include "material/evaluate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "material/check.h"
@@ -18,29 +19,12 @@ using V3 = glm::vec<3, T>;
 template <class T>
 using V4 = glm::vec<4, T>;
 
-template <class T>
-V3<T> clampTheta(const V3<T>& w, T theta_max) {
-  const T cosine = std::cos(theta_max);
-  if (w.z >= cosine) return w;
-  const T sine = std::sqrt(w.x * w.x + w.y * w.y);
-  const T scale = std::sin(theta_max) / std::max(sine, T(1e-6));
-  return {w.x * scale, w.y * scale, cosine};
-}
-
 // Where in the tables a pair of directions is: shares of a grid's extent, or the nearest samples' indices.
 template <class T>
 struct TablePosition {
   V2<T> light, view;  // (phi / 2 pi, theta / theta_max), 0..1
   int light_index = 0, view_index = 0;
 };
-
-template <class T>
-V2<T> gridPosition(const V3<T>& w, T theta_max) {
-  const T theta = std::acos(std::clamp(w.z, T(-1), T(1)));
-  T phi = w.x == 0 && w.y == 0 ? T(0) : std::atan2(w.y, w.x);
-  if (phi < 0) phi += T(2 * kPi);
-  return {phi / T(2 * kPi), std::min(theta / theta_max, T(1))};
-}
 
 int nearestIndex(const std::vector<uint8_t>& image, double x, double y) {
   const auto texel = [](double c) {
@@ -89,6 +73,84 @@ V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const T
     sum.z += ratio.y * (sum.x + mean.x) - mean.z;
   }
   return sum;
+}
+
+// Light of one colour channel per column; rows are Y, Cb, Cr.
+template <class T>
+using ColorMatrix = glm::mat<3, 3, T>;
+
+// What the mean makes of light from all around.
+template <class T>
+ColorMatrix<T> evaluateMeanEnvironment(const Material& m, const EnvironmentMean& table, const HemisphereLight& light,
+                                       const V3<T>& wo, T row) {
+  const int below = std::min(static_cast<int>(row), kEnvironmentThetas - 2);
+  const V4<T> t = glm::mix(V4<T>(table.rows[below]), V4<T>(table.rows[below + 1]), row - T(below));
+  const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);
+  const V2<T> along = sine > T(1e-6) ? V2<T>(wo.x, wo.y) / sine : V2<T>(1, 0);
+  ColorMatrix<T> ycc(0);
+  for (int c = 0; c < 3; ++c) {
+    const auto l = [&](int k) { return T(light.c[k][c]); };
+    const T y = l(0) * t.x + l(1) * t.y + (l(2) * along.x + l(3) * along.y) * t.z +
+                (l(4) * along.x * along.y + l(5) * (along.x * along.x - along.y * along.y)) * t.w;
+    const T chroma = m.mean.chroma == MeanChroma::kRatio ? y : l(0) * T(table.unit.x) + l(1) * T(table.unit.y);
+    ycc[c] = {y, T(m.mean.cb) * chroma, T(m.mean.cr) * chroma};
+  }
+  return ycc;
+}
+
+// evaluateBand for light from all around; `table` is the band's environmentTable, `view` as in TablePosition.
+template <class T>
+ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, const Hit<T>& hit, const V2<T>& view,
+                                       const HemisphereLight& light, const ColorMatrix<T>& mean) {
+  const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
+  ColorMatrix<T> sum(0);
+  for (int quad = 0; quad < band.quads(); ++quad) {
+    std::array<V4<T>, 3> scattered{V4<T>(0), V4<T>(0), V4<T>(0)};
+    for (int k = 0; k < kEnvironmentBasis; ++k) {
+      const T slice = T(quad * kEnvironmentBasis + k) + T(0.5);
+      const V4<T> texel = sampleVolume(table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
+      for (int c = 0; c < 3; ++c) scattered[c] += T(light.c[k][c]) * texel;
+    }
+    const V4<T> weights = fetchWeights(band, quad, q, hit.lambda);
+    for (int c = 0; c < 3; ++c) {
+      const V4<T> product = weights * scattered[c];
+      const V2<T> halves(product.x + product.y, product.z + product.w);
+      sum[c] += quad < band.y_quads ? V3<T>(halves.x + halves.y, 0, 0) : V3<T>(0, halves);
+    }
+  }
+  if (band.ratio) {
+    const V4<T> ratio = fetchWeights(band, band.quads(), q, hit.lambda) * V4<T>(band.ratio_scale);
+    for (int c = 0; c < 3; ++c) {
+      sum[c].y += ratio.x * (sum[c].x + mean[c].x) - mean[c].y;
+      sum[c].z += ratio.y * (sum[c].x + mean[c].x) - mean[c].z;
+    }
+  }
+  return sum;
+}
+
+// The analytic appearance under light from all around: the polynomial's irradiance on the mapped normal, and its
+// value along the mirror direction times the lobe's integral, blurred as the lobe's width asks.
+template <class T>
+V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, const HemisphereLight& light, const V3<T>& wo) {
+  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda, 0, hit.p));
+  const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
+  const V3<T> n = mapped / length;
+  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda, 0, hit.p));
+  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda, 0, hit.p);
+  const T sharp = std::exp2(specular.y * T(12)), shortened = std::min(length, T(1));
+  const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
+  const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
+  V3<T> r = T(2) * glm::dot(n, wo) * n - wo;
+  r.z = std::max(r.z, T(0));
+  const auto l = [&](int k) { return V3<T>(light.c[k]); };
+  const V3<T> irradiance = l(0) + T(2.0 / 3) * (l(1) * n.z + l(2) * n.x + l(3) * n.y) +
+                           T(0.25) * (l(4) * (n.x * n.y) + l(5) * (n.x * n.x - n.y * n.y));
+  // A lobe of exponent e about H is one of about e / 4 about r, which keeps exp(-l (l + 1) 2 / e) of order l.
+  const T first = std::exp(T(-4) / exponent), second = std::exp(T(-12) / exponent);
+  const V3<T> mirrored = l(0) + first * (l(1) * r.z + l(2) * r.x + l(3) * r.y) +
+                         second * (l(4) * (r.x * r.y) + l(5) * (r.x * r.x - r.y * r.y));
+  const V3<T> none(0);
+  return diffuse * glm::max(irradiance, none) + (strength * T(8) / (exponent + T(8))) * glm::max(mirrored, none);
 }
 
 template <class T>
@@ -183,6 +245,40 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, 
   return rgbFromYcc(ycc) * fade;
 }
 
+void Evaluator::prepareEnvironment() {
+  environment_mean_ = environmentMean(*material_);
+  for (const Band& band : material_->bands) environment_tables_.push_back(environmentTable(*material_, band));
+}
+
+template <class T>
+glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light,
+                                              const glm::vec<3, T>& wo) const {
+  const Material& m = *material_;
+  if (wo.z <= 0) return V3<T>(0);
+  if (m.mode == Mode::kSurface && m.surface) return evaluateSurfaceEnvironment(*m.surface, hit, light, wo);
+  LODEN_CHECK_EQ(environment_tables_.size(), m.bands.size());
+  const V3<T> view = clampTheta(wo, T(m.theta_max));
+  const V2<T> at = gridPosition(view, T(m.theta_max));
+  const ColorMatrix<T> mean = evaluateMeanEnvironment(m, environment_mean_, light, view, at.y * T(kEnvironmentThetas - 1));
+  ColorMatrix<T> ycc = mean;
+  for (size_t b = 0; b < m.bands.size(); ++b) {
+    const T weight = windowWeight(m.bands[b].window, hit.lambda);
+    if (weight > 0) ycc += weight * evaluateBandEnvironment(m.bands[b], environment_tables_[b], hit, at, light, mean);
+  }
+  return {rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z};
+}
+
+glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi, const glm::vec3& wo) {
+  TablePosition<float> at;
+  at.light = gridPosition(wi, material.theta_max);
+  at.view = gridPosition(wo, material.theta_max);
+  if (band.layout == TableLayout::kNearest) {
+    at.light_index = nearestDirection(material.lights, glm::dvec3(wi));
+    at.view_index = nearestDirection(material.views, glm::dvec3(wo));
+  }
+  return fetchTable(band, tableGrid(band, material.theta_max), quad, at);
+}
+
 template float parallaxFade(const Material&, float, const glm::vec<3, float>&);
 template double parallaxFade(const Material&, double, const glm::vec<3, double>&);
 template float cosineFactor(const Material&, const glm::vec<3, float>&);
@@ -192,5 +288,9 @@ template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::
 template glm::vec<3, float> Evaluator::evaluate(const Hit<float>&, const glm::vec<3, float>&, const glm::vec<3, float>&) const;
 template glm::vec<3, double> Evaluator::evaluate(const Hit<double>&, const glm::vec<3, double>&,
                                                  const glm::vec<3, double>&) const;
+template glm::vec<3, float> Evaluator::evaluateEnvironment(const Hit<float>&, const HemisphereLight&,
+                                                           const glm::vec<3, float>&) const;
+template glm::vec<3, double> Evaluator::evaluateEnvironment(const Hit<double>&, const HemisphereLight&,
+                                                            const glm::vec<3, double>&) const;
 
 }  // namespace loden

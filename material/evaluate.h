@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "material/environment.h"
 #include "material/material.h"
 
 namespace loden {
@@ -55,10 +56,23 @@ class Evaluator {
   template <class T>
   glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
 
+  // Builds what evaluateEnvironment reads.
+  void prepareEnvironment();
+  // evaluate() integrated with light from all around, over pi, the cosine of assets that leave it out included:
+  // radiance = pi * value_scale * this. After prepareEnvironment(), but for mode surface.
+  template <class T>
+  glm::vec<3, T> evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light, const glm::vec<3, T>& wo) const;
+
  private:
   const Material* material_;
   VdimAtlas atlas_;
+  EnvironmentMean environment_mean_;
+  std::vector<Texture> environment_tables_;
   std::vector<uint8_t> nearest_light_, nearest_view_;
 };
+
+// E_b(wi, wo) as evaluate() reads it, for one quad and without its scale; both directions at most theta_max from
+// the normal.
+glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi, const glm::vec3& wo);
 
 }  // namespace loden

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "material/directions.h"
 #include "runtime/frame_multisample.h"
 #include "runtime/frame_shadow.h"
 #include "runtime/gl_objects.h"
@@ -28,6 +29,24 @@ SceneLight lightData(const Light& light) {
   return {glm::vec4(light.position, light.range),
           glm::vec4(light.intensity, light.kind == LightKind::kSpot ? 1.0f : 0.0f),
           glm::vec4(light.direction, light.cos_outer), glm::vec4(light.cos_inner, 0, 0, 0)};
+}
+
+void setEnvironment(const Environment& environment, SceneFrame& data) {
+  const EnvironmentLight& light = environment.light;
+  bool lit = false;
+  for (int c = 0; c < 3; ++c) {
+    const glm::mat3& m = light.quadratic[c];
+    data.environment[3 * c] = glm::vec4(light.linear[c], light.constant[c]);
+    data.environment[3 * c + 1] = {m[0][0], m[1][1], m[2][2], 0};
+    data.environment[3 * c + 2] = {m[0][1], m[0][2], m[1][2], 0};
+    for (int k = 0; k < 3; ++k) lit = lit || data.environment[3 * c + k] != glm::vec4(0);
+  }
+  data.flags.z = static_cast<int>(std::min<size_t>(environment.suns.size(), SCENE_MAX_SUNS));
+  data.flags.w = lit ? 1 : 0;
+  for (int k = 0; k < data.flags.z; ++k) {
+    data.environment_suns[2 * k] = glm::vec4(environment.suns[k].direction, 0);
+    data.environment_suns[2 * k + 1] = glm::vec4(environment.suns[k].irradiance * static_cast<float>(kPi), 0);
+  }
 }
 
 GlBuffer makeFrameUniforms(const char* label) {
@@ -138,12 +157,12 @@ SceneFrame FrameRenderer::Impl::frameData() const {
     data.sun_direction = glm::vec4(-scene.sun->direction, scene.sun_view.texel);
     data.sun_irradiance = glm::vec4(scene.sun->intensity, 0);
   }
-  data.sky_ambient = glm::vec4(settings.sky_ambient, 0);
-  data.ground_ambient = glm::vec4(settings.ground_ambient, 0);
   data.flags.x = (scene.sun ? SCENE_SUN : 0) | (scene.sun && settings.shadows ? SCENE_SHADOWS : 0) |
                  (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0);
   data.flags.y = static_cast<int>(scene.lights.size());
+  if (settings.environment) setEnvironment(*settings.environment, data);
+  else setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
   data.lambda = glm::vec4(settings.lambda.value_or(0), 0, 0, 0);
   std::transform(scene.lights.begin(), scene.lights.end(), data.lights, lightData);
   return data;

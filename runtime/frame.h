@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "material/environment.h"
 #include "material/result.h"
 #include "runtime/camera.h"
 #include "runtime/device.h"
@@ -27,7 +28,9 @@ struct FrameSettings {
   std::optional<float> lambda;       // instead of the footprint's, everywhere
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
-  glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above, linear RGB
+  // Light from all around, world frame; at most SCENE_MAX_SUNS suns count. None: a sky and a ground.
+  std::optional<Environment> environment;
+  glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above, linear RGB; y is up
   glm::vec3 ground_ambient{0.25f, 0.22f, 0.2f};  // and from below
   glm::vec3 background{0.02f, 0.022f, 0.026f};   // linear RGB
 };

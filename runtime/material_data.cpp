@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "material/environment.h"
 #include "material/issues.h"
 
 namespace loden::runtime {
+
+static_assert(LODEN_ENVIRONMENT_BASIS == kEnvironmentBasis && LODEN_ENVIRONMENT_THETAS == kEnvironmentThetas);
+
 namespace {
 
 // Reciprocal of a ramp's length; a step becomes a very steep ramp.
@@ -19,7 +23,7 @@ LodenBandData bandData(const Band& band) {
   LodenBandData data{};
   data.window = windowData(band.window);
   data.mip = {band.lambda_first, float(band.weights.mips - 1), band.weights.width, 1.0f / float(band.table.depth)};
-  const DirectionGrid grid = tableGrid(band, 0);
+  const DirectionGrid grid = environmentGrid(band, 0);  // the table's, where that has one
   data.grid = {grid.thetas, grid.phis, 1.0f / float(grid.thetas * grid.thetas), 1.0f / float(grid.phis)};
   int bits = 0;
   if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
@@ -92,6 +96,11 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
   if (m.stored_vdim)
     data.paper = {m.stored_vdim->range, m.stored_vdim->zeniths, m.stored_vdim->azimuths};
+  if (!m.bands.empty()) {
+    const EnvironmentMean mean = environmentMean(m);
+    std::copy(mean.rows.begin(), mean.rows.end(), data.environment_mean);
+    data.environment_unit = {mean.unit, 0, 0};
+  }
   for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b) data.bands[b] = bandData(m.bands[b]);
   return data;
 }

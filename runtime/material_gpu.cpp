@@ -56,7 +56,7 @@ void SharedTextures::contextLost() {
 std::array<uint32_t, LODEN_UNIT_FIRST_FREE> SharedTextures::emptyUnits(const MaterialVariant& variant) const {
   std::array<uint32_t, LODEN_UNIT_FIRST_FREE> units;
   units.fill(empty_array_.name());
-  for (int b = 0; b < LODEN_MAX_BANDS; ++b) units[size_t(LODEN_UNIT_TABLE + b)] = empty_volume_.name();
+  for (int b = 0; b < LODEN_MAX_BANDS; ++b) units[size_t(LODEN_UNIT_TABLE + b)] = units[size_t(LODEN_UNIT_ENVIRONMENT + b)] = empty_volume_.name();
   units[LODEN_UNIT_GEOMETRY] = empty_2d_.name();
   units[LODEN_UNIT_VDIM_VOLUME] = empty_volume_.name();
   if (variant.nearest_tables)

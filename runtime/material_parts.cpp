@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "material/environment.h"
 #include "material/issues.h"
 #include "runtime/material_data.h"
 #include "shaders/loden_shared.h"
@@ -48,11 +49,15 @@ void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Looku
   if (lookup == Lookup::kFast || lookup == Lookup::kDefault) parts.push_back(geometryPart(material, end, atlas));
 }
 
+uint64_t bandGpuBytes(const Band& band) {
+  return gpuBytes(band.weights) + gpuBytes(band.table) + environmentTableBytes(band);
+}
+
 void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
   for (int b = int(material.bands.size()) - 1; b >= 0; --b) {
     const Band& band = material.bands[size_t(b)];
     if (band.domain == domain)
-      parts.push_back({PartKind::kBand, b, {gpuBytes(band.weights) + gpuBytes(band.table), bandEnd(material, band)}});
+      parts.push_back({PartKind::kBand, b, {bandGpuBytes(band), bandEnd(material, band)}});
   }
 }
 
@@ -61,9 +66,11 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index) {
   if (!band) return band.issue();
   const Sampling weights = band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
   const Sampling table = band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
+  Texture environment = environmentTable(file.skeleton(), *band);
   LoadedPart part;
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
+  part.textures.push_back({LODEN_UNIT_ENVIRONMENT + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
   return part;
 }
 

@@ -27,10 +27,12 @@ std::string parseSize(const std::string& text, glm::ivec2& size) {
 }
 
 // "T,P" in degrees.
-std::string parseLight(const std::string& text, glm::dvec2& light) {
+std::string parseLight(const std::string& text, std::optional<glm::dvec2>& light) {
   char rest = 0;
-  const bool two = std::sscanf(text.c_str(), "%lf,%lf%c", &light.x, &light.y, &rest) == 2;
-  return two && std::isfinite(light.x + light.y) ? "" : "must be THETA,PHI in degrees";
+  glm::dvec2 angles(0);
+  const bool two = std::sscanf(text.c_str(), "%lf,%lf%c", &angles.x, &angles.y, &rest) == 2;
+  light = angles;
+  return two && std::isfinite(angles.x + angles.y) ? "" : "must be THETA,PHI in degrees";
 }
 
 void addInput(CLI::App& app, Options& options, std::string& light) {
@@ -42,6 +44,7 @@ void addInput(CLI::App& app, Options& options, std::string& light) {
   app.add_option("--light", light, "Direction of the light on the surface: THETA,PHI in degrees")
       ->needs(asset)
       ->check([&](const std::string& text) { return parseLight(text, options.light); });
+  app.add_option("--environment", options.environment, "Light from all around: a lat-long panorama (.hdr); on a surface, instead of --light unless that is given too");
   app.add_option("--camera", options.camera, "Camera (JSON: position, target, up, fov_degrees)");
   app.add_option("--script", options.script, "Camera path (JSON: keyframes of t, position, target)");
 }

@@ -23,7 +23,8 @@ struct Options {
   std::filesystem::path asset;  // ... or this, on a surface
   SurfaceKind surface = SurfaceKind::kPlane;
   std::filesystem::path camera;   // empty: the scene's own, or the default of material/analytic_surface.h
-  glm::dvec2 light{30, 0};        // degrees theta, phi from +z; of the surface
+  std::optional<glm::dvec2> light;  // degrees theta, phi from +z; of the surface. None: (30, 0), or the environment
+  std::filesystem::path environment;  // empty: none
   bool headless = false;
   glm::ivec2 size{800, 600};
   std::filesystem::path script;

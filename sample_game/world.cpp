@@ -5,6 +5,7 @@
 #include "material/directions.h"
 #include "material/issues.h"
 #include "runtime/gltf_scene.h"
+#include "runtime/image_read.h"
 #include "runtime/mesh_analytic.h"
 #include "sample_game/camera_file.h"
 
@@ -12,6 +13,8 @@ namespace loden::walk {
 namespace {
 
 using namespace runtime;
+
+constexpr int kEnvironmentSuns = 2;  // each costs as much as a light
 
 void printIssue(const Issue& issue) {
   if (issue.severity == Severity::kNote) return;
@@ -33,11 +36,27 @@ Light defaultSun() {
 Result<Scene> makeScene(const Options& options) {
   if (options.asset.empty()) {
     Result<Scene> scene = loadGltfScene(options.scene);
-    if (scene && scene->lights.empty()) scene->lights.push_back(defaultSun());
+    if (scene && scene->lights.empty() && options.environment.empty()) scene->lights.push_back(defaultSun());
     return scene;
   }
-  const Spherical direction{options.light.x * kPi / 180, options.light.y * kPi / 180};
-  return analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)));
+  const glm::dvec2 light = options.light.value_or(glm::dvec2(30, 0));
+  const Spherical direction{light.x * kPi / 180, light.y * kPi / 180};
+  Scene scene = analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)));
+  if (!options.light && !options.environment.empty()) scene.lights.clear();
+  return scene;
+}
+
+// None if none is asked for. Panoramas have z up, as surfaces have.
+Result<std::optional<Environment>> makeEnvironment(const Options& options) {
+  if (options.environment.empty()) return std::optional<Environment>();
+  const Result<Panorama> panorama = readPanorama(options.environment);
+  if (!panorama) return panorama.issue();
+  Environment environment = projectPanorama(*panorama, kEnvironmentSuns);
+  if (!options.asset.empty()) return std::optional(std::move(environment));
+  const glm::mat3 y_up(glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::vec3(0, 1, 0));
+  environment.light = rotated(environment.light, y_up);
+  for (EnvironmentSun& sun : environment.suns) sun.direction = y_up * sun.direction;
+  return std::optional(std::move(environment));
 }
 
 // In front of everything, looking at its middle.
@@ -109,6 +128,8 @@ Result<World> makeWorld(const Options& options) {
   const Result<Scene> scene = makeScene(options);
   if (!scene) return scene.issue();
   for (const Issue& note : scene->notes) printIssue(note);
+  Result<std::optional<Environment>> environment = makeEnvironment(options);
+  if (!environment) return environment.issue();
   Result<CameraPath> path = makePath(options, *scene);
   if (!path) return path.issue();
 
@@ -119,8 +140,10 @@ Result<World> makeWorld(const Options& options) {
   if (!materials) return materials.issue();
   auto renderer = FrameRenderer::create(**device, *shaders, **materials, *scene);
   if (!renderer) return renderer.issue();
+  FrameSettings settings = frameSettings(options);
+  settings.environment = std::move(*environment);
   return World{std::move(device).value(), std::move(shaders), std::move(materials).value(), std::move(renderer).value(),
-               frameSettings(options),    std::move(path.value())};
+               std::move(settings),       std::move(path.value())};
 }
 
 }  // namespace loden::walk

@@ -21,6 +21,7 @@ LODEN_BLOCK(LODEN_BLOCK_MATERIAL) uniform LodenMaterialBlock { LodenMaterialData
 #ifdef LODEN_BANDS
 LODEN_BINDING(LODEN_UNIT_WEIGHTS) uniform sampler2DArray loden_weights[LODEN_BANDS];  // repeat, trilinear
 LODEN_BINDING(LODEN_UNIT_TABLE) uniform sampler3D loden_table[LODEN_BANDS];           // clamp, linear
+LODEN_BINDING(LODEN_UNIT_ENVIRONMENT) uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
 #endif
 #if defined(LODEN_TABLES_NEAREST)
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;

@@ -11,6 +11,7 @@
 //   LodenMaterial m = loden_material_default();
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
 //   radiance += irradiance * value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
+// Light from all around: loden_environment.glsl, which this file includes.
 
 #include "loden_shared.h"
 #include "loden_interface.glsl"
@@ -104,23 +105,33 @@ vec3 loden_rgb_from_ycc(vec3 ycc) {
 }
 
 #ifdef LODEN_MODE_SURFACE
-// FBTF's GPU mode: an analytic appearance read at p (3.5).
-vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
+struct LodenSurface {
+  vec3 normal, diffuse;
+  float strength, exponent;
+};
+
+// The analytic appearance at p, filtered.
+LodenSurface loden_fetch_surface(LodenHit hit) {
   LODEN_COUNT(3);
   vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), hit.lambda).xyz;
   vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), hit.lambda).xyz;
   vec2 specular = textureLod(loden_specular, vec3(hit.p, 0.0), hit.lambda).xy;
   float length_ = max(sqrt(dot(mapped, mapped)), 1e-4);
-  vec3 normal = mapped / length_;
   // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
   float sharp = exp2(specular.y * 12.0);
   float shortened = min(length_, 1.0);
   float exponent = sharp * shortened / (shortened + sharp * (1.0 - shortened));
   float strength = specular.x * loden_material.surface.x * (exponent + 8.0) / (sharp + 8.0);
+  return LodenSurface(mapped / length_, diffuse, strength, exponent);
+}
+
+// FBTF's GPU mode: an analytic appearance read at p (3.5).
+vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
+  LodenSurface s = loden_fetch_surface(hit);
   vec3 sum = wi + wo;
   vec3 half_ = sum / max(sqrt(dot(sum, sum)), 1e-6);
-  float lobe = pow(max(dot(normal, half_), 1e-6), exponent);
-  return (diffuse + strength * lobe) * max(dot(normal, wi), 0.0);
+  float lobe = pow(max(dot(s.normal, half_), 1e-6), s.exponent);
+  return (s.diffuse + s.strength * lobe) * max(dot(s.normal, wi), 0.0);
 }
 #endif
 
@@ -149,3 +160,5 @@ vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   return loden_rgb_from_ycc(mean + bands) * fade;
 #endif
 }
+
+#include "loden_environment.glsl"

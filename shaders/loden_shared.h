@@ -6,20 +6,26 @@
 #define LODEN_MAX_BANDS 8   // that one shader reads; files may hold more (LODEN limits in material/asset.h)
 #define LODEN_MAX_QUADS 16  // of one band
 
-// Texture units. Arrays of LODEN_MAX_BANDS begin at the first two.
+// How a material answers to light from all around (material/environment.h).
+#define LODEN_ENVIRONMENT_BASIS 6   // functions over the hemisphere
+#define LODEN_ENVIRONMENT_THETAS 6  // views of the mean
+
+// Texture units. Arrays of LODEN_MAX_BANDS begin at weights, table and environment. Surface maps and bands never
+// meet in one variant.
 #define LODEN_UNIT_WEIGHTS 0
 #define LODEN_UNIT_TABLE 8
+#define LODEN_UNIT_NORMAL 0
+#define LODEN_UNIT_DIFFUSE 1
+#define LODEN_UNIT_SPECULAR 2
 #define LODEN_UNIT_GEOMETRY 16
 #define LODEN_UNIT_VDIM_DEPTH 17
 #define LODEN_UNIT_VDIM_VOLUME 18
-#define LODEN_UNIT_NORMAL 19
-#define LODEN_UNIT_DIFFUSE 20
-#define LODEN_UNIT_SPECULAR 21
-#define LODEN_UNIT_NEAREST_LIGHT 22
-#define LODEN_UNIT_NEAREST_VIEW 23
-#define LODEN_UNIT_PAPER_REFERENCE 22  // the paper's VDIM and nearest tables never meet in one variant
-#define LODEN_UNIT_PAPER_PACKED 23
-#define LODEN_UNIT_FIRST_FREE 24  // units 24 and up belong to the renderer
+#define LODEN_UNIT_NEAREST_LIGHT 19
+#define LODEN_UNIT_NEAREST_VIEW 20
+#define LODEN_UNIT_PAPER_REFERENCE 19  // the paper's VDIM and nearest tables never meet in one variant
+#define LODEN_UNIT_PAPER_PACKED 20
+#define LODEN_UNIT_ENVIRONMENT 21
+#define LODEN_UNIT_FIRST_FREE 29  // units 29 and up belong to the renderer
 
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding
 #define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer
@@ -45,7 +51,7 @@ using ivec4 = glm::ivec4;
 struct LodenBandData {
   vec4 window;     // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
   vec4 mip;        // lambda_first, mips - 1, weights' texels per side, 1 / table's depth
-  vec4 grid;       // thetas, phis of the table, 1 / thetas^2, 1 / phis; unused by nearest tables
+  vec4 grid;       // thetas, phis of the table, 1 / thetas^2, 1 / phis; of nearest tables: of the views for the environment
   ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
   vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
   vec4 ratio_scale;                  // of the ratio layer
@@ -59,12 +65,14 @@ struct LodenMaterialData {
   vec4 geometry;    // range.xyz (tile periods), texels per side
   vec4 surface;     // specular_scale, reference texels per side, value_scale, lambda_max
   vec4 paper;       // range.x, range.y, zeniths, azimuths of the paper's VDIM
+  vec4 environment_mean[LODEN_ENVIRONMENT_THETAS];  // EnvironmentMean::rows
+  vec4 environment_unit;                            // EnvironmentMean::unit, unused x 2
   LodenBandData bands[LODEN_MAX_BANDS];
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(LodenBandData) == 16 * (5 + LODEN_MAX_QUADS));
-static_assert(sizeof(LodenMaterialData) == 16 * 7 + LODEN_MAX_BANDS * sizeof(LodenBandData));
+static_assert(sizeof(LodenMaterialData) == 16 * (8 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden
 #endif
 

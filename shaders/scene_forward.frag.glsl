@@ -73,7 +73,13 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, mat3 frame, vec3 wo_ws, vec3 wo) {
     if (wi.z > 0.0 && irradiance.r + irradiance.g + irradiance.b > 1e-4)
       radiance += irradiance * surfaceRadiance(point, wi, wo);
   }
-  return radiance + surfaceAmbient(point, sceneAmbient(frame[2]), wo);
+  for (int k = 0; k < scene.flags.z; ++k) {
+    vec3 wi = scene.environment_suns[2 * k].xyz * frame;
+    if (wi.z > 0.0) radiance += scene.environment_suns[2 * k + 1].rgb * surfaceRadiance(point, wi, wo);
+  }
+  // A loop, so that renderers which run both sides of every branch skip it too.
+  for (int k = 0; k < scene.flags.w; ++k) radiance += surfaceEnvironment(point, frame, wo);
+  return radiance;
 }
 
 void main() {

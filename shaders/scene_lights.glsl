@@ -35,11 +35,6 @@ vec3 sceneLight(int index, vec3 position, out vec3 irradiance) {
   return direction;
 }
 
-// Irradiance of the surroundings on a surface with this normal; y is up.
-vec3 sceneAmbient(vec3 normal) {
-  return mix(scene.ground_ambient.rgb, scene.sky_ambient.rgb, 0.5 + 0.5 * normal.y);
-}
-
 // Narkowicz 2015's fit of the ACES tone curve, or none.
 vec3 sceneTone(vec3 color) {
   color = max(color * scene.camera_exposure.w, 0.0);

@@ -4,8 +4,9 @@
 
 #define SCENE_BLOCK_FRAME 1   // uniform block bindings, behind the material's
 #define SCENE_BLOCK_OBJECT 2
-#define SCENE_UNIT_SHADOW 24  // texture units, behind the material's
+#define SCENE_UNIT_SHADOW 29  // texture units, behind the material's
 
+#define SCENE_MAX_SUNS 4           // of the environment
 #define SCENE_MAX_LIGHTS 32        // point and spot lights of a frame
 #define SCENE_MAX_OBJECT_LIGHTS 8  // of them, those that reach one object
 
@@ -40,9 +41,9 @@ struct SceneFrame {
   vec4 camera_exposure;     // world position; factor before the tone curve
   vec4 sun_direction;       // unit, towards the sun; w: side of a shadow texel, metres
   vec4 sun_irradiance;      // linear RGB on a surface that faces it
-  vec4 sky_ambient;         // linear RGB irradiance from above ...
-  vec4 ground_ambient;      // ... and from below
-  ivec4 flags;              // bits, number of lights, unused x 2
+  vec4 environment[9];      // as loden_hemisphere_light takes it
+  vec4 environment_suns[2 * SCENE_MAX_SUNS];  // each: unit direction towards it; linear RGB irradiance facing it
+  ivec4 flags;              // bits, numbers of lights and of the environment's suns; 1 if the rest of it gives light
   vec4 lambda;              // override, bias, unused x 2
   SceneLight lights[SCENE_MAX_LIGHTS];
 };
@@ -59,7 +60,7 @@ struct SceneObject {
 
 #ifdef __cplusplus
 static_assert(sizeof(SceneLight) == 64);
-static_assert(sizeof(SceneFrame) == 2 * 64 + 7 * 16 + SCENE_MAX_LIGHTS * sizeof(SceneLight));
+static_assert(sizeof(SceneFrame) == 2 * 64 + (14 + 2 * SCENE_MAX_SUNS) * 16 + SCENE_MAX_LIGHTS * sizeof(SceneLight));
 static_assert(sizeof(SceneObject) == 2 * 64 + 6 * 16);
 static_assert(SCENE_MAX_OBJECT_LIGHTS == 8);
 }  // namespace loden::runtime

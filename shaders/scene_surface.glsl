@@ -36,10 +36,10 @@ vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   return max(loden_evaluate(point.material, point.hit, wi, wo), 0.0) * loden_material.surface.z;
 }
 
-// Light from all around: as if it came from one direction between normal and viewer, where nothing is in shadow.
-vec3 surfaceAmbient(SurfacePoint point, vec3 irradiance, vec3 wo) {
-  vec3 wi = normalize(vec3(0.35, 0.2, 1.0));
-  return irradiance * surfaceRadiance(point, wi, wo) / wi.z;
+// Radiance from the environment's light over the frame's hemisphere; the same lower bound.
+vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
+  LodenHemisphere light = loden_hemisphere_light(scene.environment, frame);
+  return max(loden_evaluate_environment(point.material, point.hit, light, wo), 0.0) * (LODEN_PI * loden_material.surface.z);
 }
 
 #else
@@ -75,7 +75,23 @@ vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   return ((1.0 - fresnel) * point.diffuse / kPi + fresnel * distribution * visibility) * wi.z;
 }
 
-vec3 surfaceAmbient(SurfacePoint point, vec3 irradiance, vec3 wo) {
-  return irradiance * (point.diffuse + point.f0) / kPi;
+// L(w) of one colour channel, its orders 1 and 2 scaled: 2/3 and 1/4 give the irradiance on w over pi (Ramamoorthi and
+// Hanrahan 2001, eq. 8).
+float environmentAt(int channel, vec3 w, float first, float second) {
+  vec4 linear = scene.environment[3 * channel];
+  vec3 d = scene.environment[3 * channel + 1].xyz, o = scene.environment[3 * channel + 2].xyz;
+  float mean = (d.x + d.y + d.z) / 3.0;
+  float quadratic = dot(d, w * w) + 2.0 * (o.x * w.x * w.y + o.y * w.x * w.z + o.z * w.y * w.z) - mean;
+  return max(linear.w + mean + first * dot(linear.xyz, w) + second * quadratic, 0.0);
+}
+
+// Diffuse light from all around, and the mirror direction's, blurred as wide as the lobe.
+vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
+  vec3 n = frame[2], mirrored = reflect(-(frame * wo), n), radiance;
+  float width = point.alpha * point.alpha;
+  for (int c = 0; c < 3; ++c)
+    radiance[c] = point.diffuse[c] * environmentAt(c, n, 2.0 / 3.0, 0.25) +
+                  point.f0[c] * environmentAt(c, mirrored, exp(-width), exp(-3.0 * width));
+  return radiance;
 }
 #endif

@@ -42,6 +42,14 @@ Result<Camera> readCamera(const std::filesystem::path& path) {
   return camera;
 }
 
+Result<Panorama> readEnvironment(const std::filesystem::path& path) {
+  const auto picture = readPicture(path);
+  if (!picture) return picture.issue();
+  Panorama panorama{picture->width, picture->height, {}};
+  for (const glm::vec4& pixel : picture->pixels) panorama.pixels.emplace_back(pixel);
+  return panorama;
+}
+
 class TraceCommand : public Command {
  public:
   std::string_view name() const override { return "trace"; }
@@ -52,7 +60,8 @@ class TraceCommand : public Command {
     options.path("-o,--output", output_, ".exr (linear RGBA), .hdr, .png or .jpg (sRGB)", true);
     options.choice("--surface", surface_, {"plane", "cylinder", "sphere"}, "What the tile covers; one period is 1/8 m");
     options.path("--camera", camera_, "JSON: position, target, up, fov_degrees; metres, z up");
-    options.text("--light", light_, "Direction towards the light, THETA,PHI in degrees from +z; white Lambert lit from above = 1");
+    options.text("--light", light_, "Direction towards the light, THETA,PHI in degrees from +z (30,0); white Lambert lit from above = 1");
+    options.path("--environment", environment_, "Light from all around: a lat-long panorama (.hdr, .exr), z up; instead of --light unless that is given too");
     options.text("--size", size_, "Picture, WxH");
     options.integer("--spp", trace_.samples, "Samples per pixel, stratified over its area", 1, 65536);
     options.integer("--bounces", trace_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
@@ -61,8 +70,18 @@ class TraceCommand : public Command {
   }
 
   int run(const GlobalOptions& globals) override {
-    const auto light = parseDirection("--light", light_, DirectionRange::kSphere);
-    if (!light) return fail(light.issue());
+    if (light_.empty() && environment_.empty()) light_ = "30,0";
+    trace_.light.reset();
+    if (!light_.empty()) {
+      const auto light = parseDirection("--light", light_, DirectionRange::kSphere);
+      if (!light) return fail(light.issue());
+      trace_.light = *light;
+    }
+    if (!environment_.empty()) {
+      auto environment = readEnvironment(environment_);
+      if (!environment) return fail(environment.issue());
+      trace_.environment = std::move(*environment);
+    }
     const auto size = parseExtent("--size", size_);
     if (!size) return fail(size.issue());
     if (!camera_.empty()) {
@@ -71,7 +90,6 @@ class TraceCommand : public Command {
       trace_.camera = *camera;
     }
     trace_.surface = *surfaceKindByName(surface_);
-    trace_.light = *light;
     trace_.width = size->x, trace_.height = size->y;
     trace_.threads = globals.threads;
     trace_.quiet = globals.quiet;
@@ -92,8 +110,8 @@ class TraceCommand : public Command {
   }
 
  private:
-  std::string tile_, surface_ = "plane", light_ = "30,0", size_ = "800x600";
-  std::filesystem::path output_, camera_;
+  std::string tile_, surface_ = "plane", light_, size_ = "800x600";
+  std::filesystem::path output_, camera_, environment_;
   int subdivide_ = 0;
   TraceOptions trace_;
 };

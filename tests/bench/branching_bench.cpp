@@ -38,8 +38,8 @@ void main() {
 
 // What every engine has: one diffuse and one normal map, trilinear.
 const char kNormalMap[] = R"(
-layout(binding = 19) uniform sampler2DArray normal_map;
-layout(binding = 20) uniform sampler2DArray diffuse_map;
+layout(binding = 0) uniform sampler2DArray normal_map;
+layout(binding = 1) uniform sampler2DArray diffuse_map;
 layout(location = 0) in vec2 uv;
 layout(location = 0) out vec4 color;
 void main() {

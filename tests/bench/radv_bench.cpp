@@ -92,7 +92,7 @@ struct Gpu {
 VkPipelineLayout makeLayout(VkDevice device) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   for (uint32_t unit = 0; unit < LODEN_UNIT_FIRST_FREE; ++unit) {
-    const bool array = unit == LODEN_UNIT_WEIGHTS || unit == LODEN_UNIT_TABLE;
+    const bool array = unit == LODEN_UNIT_WEIGHTS || unit == LODEN_UNIT_TABLE || unit == LODEN_UNIT_ENVIRONMENT;
     bindings.push_back({unit, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, array ? LODEN_MAX_BANDS : 1u,
                         VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   }

@@ -40,6 +40,9 @@ constexpr const char* kFragment = R"(
 #include "loden_material.glsl"
 layout(binding = LODEN_UNIT_FIRST_FREE) uniform sampler2DArray samples;  // (x, lambda, 0), wi, wo
 layout(location = 0) out vec4 color;
+#ifdef ENVIRONMENT
+layout(location = 0) uniform vec4 environment[9];
+#endif
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   vec4 x = texelFetch(samples, ivec3(at, 0), 0);
@@ -47,7 +50,12 @@ void main() {
   LodenMaterial m = loden_material_default();
   m.skip_parallax = SKIP_PARALLAX;
   LodenHit hit = loden_find_hit_at(m, x.xy, x.z, wo);
+#ifdef ENVIRONMENT
+  LodenHemisphere light = loden_hemisphere_light(environment, mat3(1.0));
+  color = vec4(loden_evaluate_environment(m, hit, light, wo), hit.p.x);
+#else
   color = vec4(loden_evaluate(m, hit, wi, wo), hit.p.x);
+#endif
 }
 )";
 
@@ -61,7 +69,24 @@ struct Sample {
 struct Way {
   Lookup lookup = Lookup::kDefault;
   Parallax parallax = Parallax::kFull;
+  bool environment = false;  // loden_evaluate_environment instead of loden_evaluate
 };
+
+// Some light from all around, as the shader takes it.
+constexpr glm::vec4 kEnvironment[9] = {{0.3f, -0.2f, 0.4f, 0.9f},  {0.2f, -0.3f, 0.1f, 0}, {0.15f, -0.2f, 0.05f, 0},
+                                       {0.1f, 0.2f, 0.5f, 0.8f},   {0.1f, 0.1f, -0.2f, 0}, {-0.1f, 0.1f, 0.2f, 0},
+                                       {-0.4f, 0.1f, 0.2f, 0.6f}, {-0.2f, 0.3f, 0.0f, 0}, {0.05f, 0.2f, -0.1f, 0}};
+
+HemisphereLight hemisphereOfEnvironment() {
+  EnvironmentLight light;
+  for (int c = 0; c < 3; ++c) {
+    const glm::vec4 *first = &kEnvironment[3 * c], &d = first[1], &o = first[2];
+    light.linear[c] = glm::vec3(*first);
+    light.constant[c] = first->w;
+    light.quadratic[c] = glm::mat3(d.x, o.x, o.y, o.x, d.y, o.z, o.y, o.z, d.z);
+  }
+  return hemisphereLight(light, glm::mat3(1));
+}
 
 glm::vec3 upperDirection(std::mt19937& random) {
   std::uniform_real_distribution<float> unit(0, 1);
@@ -111,6 +136,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
 
   std::vector<std::string> defines = variantDefines((*system)->variant(*id));
   defines.push_back(std::string("SKIP_PARALLAX ") + (way.parallax == Parallax::kFaded ? "true" : "false"));
+  if (way.environment) defines.push_back("ENVIRONMENT 1");
   const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
   EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
   const RenderTarget target = makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
@@ -119,6 +145,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
   glViewport(0, 0, kSide, kSide);
   glUseProgram(program->name());
+  if (way.environment) glUniform4fv(0, 9, &kEnvironment[0].x);
   glBindVertexArray(no_vertices.name());
   (*system)->bind(*id);
   glBindTextureUnit(LODEN_UNIT_FIRST_FREE, texture.name());
@@ -131,9 +158,10 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
   return std::max({off.x, off.y, off.z});
 }
 
-// What loden_evaluate returns.
+// What the shader returns.
 glm::vec3 evaluateAt(const Evaluator& evaluator, glm::vec2 x, const Sample& s, const Way& way) {
   const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax);
+  if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(), s.wo);
   return evaluator.evaluate(hit, s.wi, s.wo) * cosineFactor(evaluator.material(), s.wi);
 }
 
@@ -152,7 +180,8 @@ void expectParity(const Material& material, const Way& way) {
   const std::vector<Sample> samples = seededSamples();
   const std::vector<glm::vec4> gpu = evaluateOnGpu(material, samples, way);
   ASSERT_EQ(gpu.size(), samples.size());
-  const Evaluator evaluator(material);
+  Evaluator evaluator(material);
+  if (way.environment) evaluator.prepareEnvironment();
   double sum = 0;
   int at_jumps = 0;
   for (size_t k = 0; k < samples.size(); ++k) {
@@ -223,6 +252,9 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
                         Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, {Lookup::kNone}},
                         Case{"lod without the cosine", Mode::kLod, Preset::kGame, {Lookup::kNone}, false},
                         Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
+                        Case{"surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
+                        Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
+                        Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
                         Case{"fused, faded", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}}}) {
     SCOPED_TRACE(c.name);
     Material material = cooked(baked.output, c.mode, c.preset);

@@ -146,6 +146,8 @@ TEST_F(SharedLayout, IsWhatTheDriverSays) {
                             {"geometry", offsetof(LodenMaterialData, geometry)},
                             {"surface", offsetof(LodenMaterialData, surface)},
                             {"paper", offsetof(LodenMaterialData, paper)},
+                            {"environment_mean[0]", offsetof(LodenMaterialData, environment_mean)},
+                            {"environment_unit", offsetof(LodenMaterialData, environment_unit)},
                             {"bands[0].window", offsetof(LodenMaterialData, bands)},
                             {"bands[1].window", band1 + offsetof(LodenBandData, window)},
                             {"bands[1].mip", band1 + offsetof(LodenBandData, mip)},

@@ -1,0 +1,30 @@
+// A panorama as a source of random directional lights.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "material/environment.h"
+
+namespace loden::importer {
+
+// A direction and what its light weighs: the mean of weight * f(direction) over many samples is the integral of
+// radiance * f over the sphere, over pi.
+struct LightSample {
+  glm::dvec3 direction{0, 0, 1};
+  glm::dvec3 weight{1};
+};
+
+class PanoramaLights {
+ public:
+  // The panorama must outlive it. Non-finite and negative pixels count as black.
+  explicit PanoramaLights(const Panorama& panorama);
+  // Drawn by luminance times solid angle; weight 0 if the panorama is black. u, v, w in [0, 1).
+  LightSample sample(double u, double v, double w) const;
+
+ private:
+  const Panorama& panorama_;
+  std::vector<double> cumulative_;  // per pixel, up to and with it
+};
+
+}  // namespace loden::importer

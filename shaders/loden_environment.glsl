@@ -1,0 +1,132 @@
+// Light from all around. Mirrors material/environment.h and the environment's half of material/evaluate.cpp.
+// Fetches per band: quads * 7 (weights, and one of the table per basis function), and 1 for the ratio layer; about
+// what two lights cost.
+//
+// Use, once per pixel:
+//   LodenHemisphere light = loden_hemisphere_light(environment, frame);
+//   radiance += pi * value_scale * loden_evaluate_environment(m, h, light, wo_ts);
+
+// Light over the hemisphere of a tangent frame: linear RGB per basis function 1, z, x, y, xy, x^2 - y^2.
+struct LodenHemisphere {
+  vec3 c[LODEN_ENVIRONMENT_BASIS];
+};
+
+// The light in the frame whose columns are tangent, bitangent and normal. environment[3 c .. 3 c + 2] is colour channel
+// c: (linear, constant); diagonal of the quadratic form; its xy, xz, yz.
+LodenHemisphere loden_hemisphere_light(vec4 environment[9], mat3 frame) {
+  LodenHemisphere light;
+  for (int c = 0; c < 3; ++c) {
+    vec4 first = environment[3 * c];
+    vec3 d = environment[3 * c + 1].xyz, o = environment[3 * c + 2].xyz;
+    mat3 turned = mat3(d.x, o.x, o.y, o.x, d.y, o.z, o.y, o.z, d.z) * frame;
+    vec3 l = first.xyz * frame;
+    float xx = dot(frame[0], turned[0]), yy = dot(frame[1], turned[1]), zz = dot(frame[2], turned[2]);
+    float flat_ = 0.5 * (xx + yy), squared = zz - flat_;
+    light.c[0][c] = first.w + flat_ - 0.3 * squared;
+    light.c[1][c] = l.z + 1.2 * squared;
+    light.c[2][c] = l.x + 16.0 / 15.0 * dot(frame[2], turned[0]);
+    light.c[3][c] = l.y + 16.0 / 15.0 * dot(frame[2], turned[1]);
+    light.c[4][c] = 2.0 * dot(frame[1], turned[0]);
+    light.c[5][c] = 0.5 * (xx - yy);
+  }
+  return light;
+}
+
+#ifdef LODEN_BANDS
+// Per colour channel of the light (columns) Y, Cb and Cr of the mean.
+mat3 loden_evaluate_mean_environment(LodenHemisphere light, vec3 wo, float row) {
+  int below = min(int(row), LODEN_ENVIRONMENT_THETAS - 2);
+  vec4 t = mix(loden_material.environment_mean[below], loden_material.environment_mean[below + 1], row - float(below));
+  vec2 unit = loden_material.environment_unit.xy;
+  float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
+  vec2 along = sine > 1e-6 ? wo.xy / sine : vec2(1.0, 0.0);
+  vec3 y = light.c[0] * t.x + light.c[1] * t.y + (light.c[2] * along.x + light.c[3] * along.y) * t.z +
+           (light.c[4] * (along.x * along.y) + light.c[5] * (along.x * along.x - along.y * along.y)) * t.w;
+  bool ratio = (loden_material.flags.x & LODEN_MEAN_RATIO) != 0;
+  vec3 chroma = ratio ? y : light.c[0] * unit.x + light.c[1] * unit.y;
+  return transpose(mat3(y, chroma * loden_material.mean_chroma.x, chroma * loden_material.mean_chroma.y));
+}
+
+// What one band adds at full weight; `view` as in LodenTablePosition.
+mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHemisphere light, mat3 mean) {
+  ivec4 layout_ = loden_material.bands[band].layout_;
+  vec2 q = (layout_.x & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
+  vec2 mip = loden_material.bands[band].mip.xy;
+  float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
+  int quads = layout_.y + layout_.z;
+  vec2 size = loden_material.bands[band].grid.yx;
+  vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
+  vec3 at = vec3(view * (size - 1.0) + 0.5, 0.5) * texel_size;
+  mat3 sum = mat3(0.0);
+  int quad = 0;
+  do {
+    vec4 red = vec4(0.0), green = vec4(0.0), blue = vec4(0.0);
+    for (int k = 0; k < LODEN_ENVIRONMENT_BASIS; ++k) {
+      LODEN_COUNT(1);
+      vec4 texel = textureLod(loden_environment[band], at, 0.0);
+      at.z += texel_size.z;
+      red += light.c[k].r * texel;
+      green += light.c[k].g * texel;
+      blue += light.c[k].b * texel;
+    }
+    vec4 weights = loden_fetch_weights(band, quad, q, lod);
+    red *= weights;
+    green *= weights;
+    blue *= weights;
+    mat3 halves = mat3(0.0, red.x + red.y, red.z + red.w, 0.0, green.x + green.y, green.z + green.w, 0.0,
+                       blue.x + blue.y, blue.z + blue.w);
+    bool luminance = quad < layout_.y;
+    for (int c = 0; c < 3; ++c) sum[c] += luminance ? vec3(halves[c].y + halves[c].z, 0.0, 0.0) : halves[c];
+  } while (++quad < quads);
+  if ((layout_.x & LODEN_BAND_RATIO) != 0) {
+    vec2 ratio = loden_fetch_weights(band, layout_.w, q, lod).xy * loden_material.bands[band].ratio_scale.xy;
+    for (int c = 0; c < 3; ++c) sum[c].yz += ratio * (sum[c].x + mean[c].x) - mean[c].yz;
+  }
+  return sum;
+}
+
+// Bands as loden_evaluate_bands visits them.
+mat3 loden_evaluate_bands_environment(LodenHit hit, vec2 view, LodenHemisphere light, mat3 mean) {
+  int finest = LODEN_BANDS - 1;
+  for (int b = LODEN_BANDS - 1; b >= 0; --b)
+    finest = loden_window_weight(loden_material.bands[b].window, hit.lambda) > 0.0 ? b : finest;
+  mat3 sum = mat3(0.0);
+  int band = LODEN_BANDS - 1;
+  do {
+    float weight = loden_window_weight(loden_material.bands[band].window, hit.lambda);
+    if (weight > 0.0) sum += weight * loden_evaluate_band_environment(band, hit, view, light, mean);
+  } while (--band >= finest);
+  return sum;
+}
+#endif
+
+#ifdef LODEN_MODE_SURFACE
+// The polynomial's irradiance on the mapped normal, and its value along the mirror direction times the lobe's
+// integral, blurred as the lobe's width asks.
+vec3 loden_evaluate_surface_environment(LodenHit hit, LodenHemisphere light, vec3 wo) {
+  LodenSurface s = loden_fetch_surface(hit);
+  vec3 n = s.normal;
+  vec3 r = 2.0 * dot(n, wo) * n - wo;
+  r.z = max(r.z, 0.0);
+  vec3 irradiance = light.c[0] + 2.0 / 3.0 * (light.c[1] * n.z + light.c[2] * n.x + light.c[3] * n.y) +
+                    0.25 * (light.c[4] * (n.x * n.y) + light.c[5] * (n.x * n.x - n.y * n.y));
+  float first = exp(-4.0 / s.exponent), second = exp(-12.0 / s.exponent);
+  vec3 mirrored = light.c[0] + first * (light.c[1] * r.z + light.c[2] * r.x + light.c[3] * r.y) +
+                  second * (light.c[4] * (r.x * r.y) + light.c[5] * (r.x * r.x - r.y * r.y));
+  return s.diffuse * max(irradiance, 0.0) + (s.strength * 8.0 / (s.exponent + 8.0)) * max(mirrored, 0.0);
+}
+#endif
+
+// loden_evaluate integrated over the hemisphere's light, over pi. Linear RGB.
+vec3 loden_evaluate_environment(LodenMaterial m, LodenHit hit, LodenHemisphere light, vec3 wo_ts) {
+  if (wo_ts.z <= 0.0) return vec3(0.0);
+#ifdef LODEN_MODE_SURFACE
+  return loden_evaluate_surface_environment(hit, light, wo_ts);
+#else
+  vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
+  vec2 view = loden_grid_position(wo, loden_material.theta_max);
+  mat3 mean = loden_evaluate_mean_environment(light, wo, view.y * float(LODEN_ENVIRONMENT_THETAS - 1));
+  mat3 ycc = mean + loden_evaluate_bands_environment(hit, view, light, mean);
+  return vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b);
+#endif
+}

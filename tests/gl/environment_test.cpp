@@ -1,0 +1,102 @@
+// Panoramas from files, and the renderer under light from all around.
+#include "material/environment.h"
+
+#include <epoxy/gl.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "material/directions.h"
+#include "material/evaluate.h"
+#include "material/issues.h"
+#include "runtime/frame.h"
+#include "runtime/image_read.h"
+#include "runtime/mesh_analytic.h"
+#include "tests/gl/gl_fixture.h"
+#include "tests/unit/material_fixtures.h"
+
+namespace loden::test {
+namespace {
+
+using namespace runtime;
+
+using EnvironmentTest = GlTest;
+
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& bytes) {
+    const int file = ::mkstemp(name_);
+    EXPECT_EQ(::write(file, bytes.data(), bytes.size()), ssize_t(bytes.size()));
+    ::close(file);
+  }
+  ~TemporaryFile() { std::remove(name_); }
+  const char* path() const { return name_; }
+
+ private:
+  char name_[32] = "/tmp/loden_panorama_XXXXXX";
+};
+
+TEST_F(EnvironmentTest, ReadsRadiancePanoramas) {
+  // Two rows of two pixels: (mantissas, exponent); 128 * 2^(129 - 136) = 1.
+  const TemporaryFile file(std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n") +
+                           std::string("\x80\x40\x20\x81\0\0\0\0\x80\x80\x80\x82\x80\x80\x80\x80", 16));
+  const Result<Panorama> panorama = readPanorama(file.path());
+  ASSERT_TRUE(panorama.ok()) << panorama.issue().text;
+  ASSERT_EQ(panorama->width, 2);
+  EXPECT_EQ(panorama->pixels[0], glm::vec3(1, 0.5f, 0.25f));
+  EXPECT_EQ(panorama->pixels[1], glm::vec3(0));
+  EXPECT_EQ(panorama->pixels[2], glm::vec3(2));
+  EXPECT_EQ(panorama->pixels[3], glm::vec3(0.5f));
+}
+
+TEST_F(EnvironmentTest, RefusesWhatIsNoPanorama) {
+  EXPECT_EQ(readPanorama("/nonexistent.hdr").issue().id, issue_id::kCannotOpen);
+  const TemporaryFile empty(""), text("hello"), huge("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n"),
+      cut("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n\x02\x02");
+  for (const TemporaryFile* file : {&empty, &text, &huge}) EXPECT_FALSE(readPanorama(file->path()).ok());
+  // What is missing of a file that ends early reads as anything, but stays inside the picture.
+  if (const auto panorama = readPanorama(cut.path()); panorama.ok()) EXPECT_EQ(panorama->pixels.size(), 64u * 64u);
+}
+
+// A plane seen at an angle under a polynomial light, against the CPU evaluator at the pixels' x.
+TEST_F(EnvironmentTest, RendererShowsWhatTheEvaluatorSays) {
+  const Material material = fusedMaterial();
+  Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::vec3(0, 0, 1));
+  scene.lights.clear();
+  scene.assets[0].embedded = std::move(*serializeAsset(material));
+  scene.assets[0].name = "fused";
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.tone = ToneCurve::kClip;
+  settings.lambda = 6.0f;  // bands' coarsest mip: the same everywhere
+  settings.environment.emplace();
+  settings.environment->light = skyLight(glm::vec3(3, 2, 1), glm::vec3(0), glm::normalize(glm::vec3(0.5f, 0.2f, 1)));
+  settings.environment->suns = {{glm::normalize(glm::vec3(-0.4f, 0.3f, 0.8f)), glm::vec3(0.2f, 0.3f, 0.4f)}};
+  Camera camera;
+  camera.position = {0, -1, 1};
+  camera.fov_degrees = 1;
+  const RenderTarget target = makeRenderTarget({9, 9}, ColorFormat::kLinear32, "frame");
+  (*renderer)->prepare(makeView(camera, target.size), settings);
+  materials->finishLoading();
+  ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+  const glm::vec4 pixel = readLinear(target)[40];
+
+  Evaluator evaluator(material);
+  evaluator.prepareEnvironment();
+  const glm::vec3 wo = glm::normalize(glm::vec3(0, -1, 1));
+  const auto hit = evaluator.findHit(glm::vec2(0), 6.0f, wo);
+  const HemisphereLight light = hemisphereLight(settings.environment->light, glm::mat3(1));
+  const EnvironmentSun& sun = settings.environment->suns[0];
+  const glm::vec3 around = evaluator.evaluateEnvironment(hit, light, wo);
+  const glm::vec3 from_sun = evaluator.evaluate(hit, sun.direction, wo) * sun.irradiance;
+  const glm::vec3 expected = (glm::max(around, 0.0f) + glm::max(from_sun, 0.0f)) * (float(kPi) * material.value_scale);
+  EXPECT_GT(glm::length(expected), 0.05f);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c], std::max(expected[c], 0.0f), 1e-3) << c;
+}
+
+}  // namespace
+}  // namespace loden::test

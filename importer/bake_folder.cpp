@@ -35,15 +35,17 @@ std::string foreignPart(const fs::path& folder) {
 
 std::string processSuffix() { return ".tmp" + std::to_string(getpid()); }
 
-// The manifest text in the folder, of a finished or unfinished bake; empty if there is none.
+// The manifest text in the folder, of a finished or unfinished bake; empty if there is none. Another shard may
+// finish the bake meanwhile: bake.json appears before the other file goes.
 std::string presentManifest(const fs::path& folder) {
+  bool unreadable = false;
   for (const fs::path& path : {unfinishedPath(folder), finishedPath(folder)}) {
     std::error_code error;
     if (!fs::exists(path, error)) continue;
-    const auto text = readText(path);
-    return text ? *text : std::string("unreadable");
+    if (const auto text = readText(path)) return *text;
+    unreadable = true;
   }
-  return {};
+  return unreadable ? "unreadable" : "";
 }
 
 template <class T>
@@ -54,7 +56,10 @@ void feed(XXH3_state_t* state, const T& value) {
 }  // namespace
 
 Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifest& manifest, bool resume, bool shared) {
-  const std::string wanted = manifestText(manifest), present = presentManifest(folder);
+  const std::string wanted = manifestText(manifest);
+  std::string present = presentManifest(folder);
+  // Another shard may have begun since.
+  if (present.empty() && shared && !foreignPart(folder).empty()) present = presentManifest(folder);
   if (!present.empty() && present != wanted && (resume || shared))
     return Issue{issue_id::kExists, Severity::kError, folder.string(),
                  "holds a bake of another tile, with other options or by another version; choose an empty folder, or bake without --resume and --shard"};
@@ -65,7 +70,7 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
                  "is not of a bake (no bake.json beside it) and would be overwritten; choose an empty folder"};
   // Renamed, not removed: a folder with parts is known as a bake's at any time.
   if (!shared || fresh) fs::rename(finishedPath(folder), unfinishedPath(folder), error);
-  if (fresh) removeParts(folder);
+  if (fresh && !present.empty()) removeParts(folder);
   for (const char* part : kParts) {
     fs::create_directories(folder / part, error);
     if (error)

@@ -7,8 +7,8 @@
 
 namespace loden::test {
 
-inline ToolRun loden(const std::vector<std::string>& arguments, const std::filesystem::path& interrupt_at = {}) {
-  return runTool(LODEN_TOOL, arguments, interrupt_at);
+inline ToolRun loden(const std::vector<std::string>& arguments, const std::filesystem::path& interrupt_at = {}, int signal = SIGINT) {
+  return runTool(LODEN_TOOL, arguments, interrupt_at, signal);
 }
 
 // Folder with `bake` (pulli, 8 x 8 texels, Bonn directions) and `material.loden` (mode lod). Tests run in

@@ -53,9 +53,9 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-// `interrupt_at`, if not empty: sends SIGINT as soon as this path exists, or after a minute.
+// `interrupt_at`, if not empty: sends `signal` as soon as this path exists, or after a minute.
 inline ToolRun runTool(const std::string& tool, const std::vector<std::string>& arguments,
-                       const std::filesystem::path& interrupt_at = {}) {
+                       const std::filesystem::path& interrupt_at = {}, int signal = SIGINT) {
   const ScratchFolder scratch;
   const std::string out = scratch / "out", err = scratch / "err";
   posix_spawn_file_actions_t actions;
@@ -72,9 +72,9 @@ inline ToolRun runTool(const std::string& tool, const std::vector<std::string>& 
   ToolRun run;
   if (posix_spawn(&child, tool.c_str(), &actions, nullptr, pointers.data(), environ) == 0) {
     if (!interrupt_at.empty()) {
-      for (int i = 0; i < 6000 && !std::filesystem::exists(interrupt_at); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      kill(child, SIGINT);
+      for (int i = 0; i < 60000 && !std::filesystem::exists(interrupt_at); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      kill(child, signal);
     }
     int status = 0;
     waitpid(child, &status, 0);

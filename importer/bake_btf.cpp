@@ -24,7 +24,7 @@ class BtfBlock {
  private:
   struct Sample {
     glm::ivec2 texel;
-    glm::vec3 normal, diffuse;
+    glm::vec3 normal, diffuse, f0;
   };
   void add(glm::ivec2 texel, const TileHit& hit, uint64_t seed);
   void traceShadows();
@@ -35,17 +35,19 @@ class BtfBlock {
   std::vector<Sample> samples_;          // texel by texel
   std::vector<glm::vec3> origins_;       // [sample]
   std::vector<float> cosines_, lobes_;   // [sample][light]
+  std::vector<float> tinted_;            // [sample][light], empty without GGX lobes
   std::vector<float> lit_;               // [sample][light], 0 or 1
   std::vector<glm::vec3> indirect_;      // [sample][light], empty without bounces
 };
 
 void BtfBlock::add(glm::ivec2 texel, const TileHit& hit, uint64_t seed) {
   const size_t row = samples_.size() * lights_.size();
-  samples_.push_back({texel, glm::vec3(hit.normal), hit.brdf.diffuse});
+  samples_.push_back({texel, glm::vec3(hit.normal), hit.brdf.diffuse, hit.brdf.f0});
   origins_.emplace_back(hit.ray_origin);
   cosines_.resize(row + lights_.size());
   lobes_.resize(row + lights_.size());
-  lobesOfAllLights(lights_, glm::vec3(hit.normal), glm::vec3(wo_), hit.brdf.specular, hit.brdf.exponent, &cosines_[row], &lobes_[row]);
+  if (hit.brdf.alpha > 0 || !tinted_.empty()) tinted_.resize(row + lights_.size());
+  lobesOfAllLights(lights_, glm::vec3(hit.normal), glm::vec3(wo_), hit.brdf, &cosines_[row], &lobes_[row], tinted_.empty() ? nullptr : &tinted_[row]);
   if (scene_.manifest.bounces == 0) return;
   indirect_.resize(row + lights_.size());
   addIndirect(scene_, hit, wo_, seed, &indirect_[row]);
@@ -95,6 +97,8 @@ void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) {
         float* const channel = &sum[size_t(c) * lights];
         const float diffuse = samples_[last].diffuse[c];
         for (size_t l = 0; l < lights; ++l) channel[l] += lit[l] * (diffuse * cosine[l] + lobe[l]);
+        if (last * lights >= tinted_.size()) continue;
+        for (size_t l = 0; l < lights; ++l) channel[l] += lit[l] * samples_[last].f0[c] * tinted_[last * lights + l];
       }
       if (indirect_.empty()) continue;
       for (size_t l = 0; l < lights; ++l)

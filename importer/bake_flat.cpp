@@ -23,8 +23,7 @@ FlatBaker::FlatBaker(const BakeScene& scene) : scene_(scene), side_(scene.manife
       const ParamSample& at = located[size_t(k)][t];
       if (!at.covered()) continue;
       const TileHit hit = scene.tracer.pointOn(at.triangle, glm::dvec2(at.b));
-      samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf.diffuse,
-                          hit.brdf.specular, hit.brdf.exponent, at.triangle, at.b});
+      samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b});
     }
     first_.push_back(static_cast<uint32_t>(samples_.size()));
   }
@@ -80,7 +79,7 @@ void FlatBaker::bakeRow(int row, int view, Image& atlas, std::vector<float>& vis
   LightTable lights(scene_.manifest.directions);
   lights.setView(glm::vec3(wo));
   const size_t count = lights.size();
-  std::vector<float> cosines(count), lobes(count);
+  std::vector<float> cosines(count), lobes(count), tinted(count);
   std::vector<glm::vec3> sum(count);
   uint64_t rays = 0;
   for (int i = 0; i < side_; ++i) {
@@ -93,9 +92,11 @@ void FlatBaker::bakeRow(int row, int view, Image& atlas, std::vector<float>& vis
       ++rays;
       if (scene_.tracer.occluded(glm::dvec3(sample.origin), wo)) continue;
       ++seen;
-      lobesOfAllLights(lights, sample.normal, glm::vec3(wo), sample.specular, sample.exponent, cosines.data(), lobes.data());
+      lobesOfAllLights(lights, sample.normal, glm::vec3(wo), sample.brdf, cosines.data(), lobes.data(), tinted.data());
       for (size_t l = 0; l < count; ++l)
-        if (lit(s, int(l))) sum[l] += sample.diffuse * cosines[l] + lobes[l];
+        if (lit(s, int(l))) sum[l] += sample.brdf.diffuse * cosines[l] + lobes[l];
+      for (size_t l = 0; sample.brdf.alpha > 0 && l < count; ++l)
+        if (lit(s, int(l))) sum[l] += sample.brdf.f0 * tinted[l];
       if (scene_.manifest.bounces > 0)
         addIndirect(scene_, scene_.tracer.pointOn(sample.triangle, glm::dvec2(sample.b)), wo, mixSeed(~texel, s - first_[texel]), sum.data());
     }

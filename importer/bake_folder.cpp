@@ -119,6 +119,7 @@ std::string tileHash(const Tile& tile) {
     const LocalBrdf& brdf = tile.brdfs[v];
     feed(state, tile.positions[v]), feed(state, tile.normals[v]), feed(state, tile.params[v]);
     feed(state, brdf.diffuse), feed(state, brdf.specular), feed(state, brdf.exponent);
+    if (brdf.alpha > 0) feed(state, brdf.f0), feed(state, brdf.alpha);
   }
   for (const glm::uvec3& triangle : tile.triangles) feed(state, triangle);
   for (const uint16_t chart : tile.charts) feed(state, chart);

@@ -7,6 +7,7 @@
 #include "importer/bake_scene.h"
 #include "importer/charts.h"
 #include "importer/local_brdf.h"
+#include "importer/mesh_material.h"
 #include "importer/random.h"
 #include "material/vdim.h"
 
@@ -147,7 +148,7 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
       coverage[t] += 1;
       normal[t] += glm::vec3(hit.normal);
       diffuse[t] += hit.brdf.diffuse;
-      specular[t] += glm::vec3(hit.brdf.specular, hit.brdf.exponent, 0);
+      specular[t] += glm::vec3(phongLobe(hit.brdf), 0);
     }
   }
   for (size_t t = 0; t < texels; ++t)

@@ -56,8 +56,7 @@ class FlatBaker {
  private:
   struct Sample {
     glm::vec3 origin, normal, geometric_normal;
-    glm::vec3 diffuse;
-    float specular, exponent;
+    LocalBrdf brdf;
     uint32_t triangle;
     glm::vec2 b;
   };

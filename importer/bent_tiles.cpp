@@ -115,8 +115,8 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   const Row& row = rows[ray.hit.geomID];
   const glm::uvec3 triangle = triangles[ray.hit.primID];
   const double b[3] = {1.0 - ray.hit.u - ray.hit.v, ray.hit.u, ray.hit.v};
-  glm::dvec3 position(0), normal(0), lift(0), diffuse(0);
-  double specular = 0, exponent = 0;
+  glm::dvec3 position(0), normal(0), lift(0), diffuse(0), f0(0);
+  double specular = 0, exponent = 0, alpha = 0;
   for (int k = 0; k < 3; ++k) {
     const LocalBrdf& brdf = brdfs[triangle[k]];
     position += b[k] * glm::dvec3(row.positions[triangle[k]]);
@@ -124,6 +124,8 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
     diffuse += b[k] * glm::dvec3(brdf.diffuse);
     specular += b[k] * brdf.specular;
     exponent += b[k] * brdf.exponent;
+    f0 += b[k] * glm::dvec3(brdf.f0);
+    alpha += b[k] * brdf.alpha;
   }
   for (int k = 0; k < 3; ++k) {
     const glm::dvec3 vertex_normal(row.normals[triangle[k]]);
@@ -137,7 +139,7 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   hit.normal = rotation * glm::normalize(normal);
   hit.geometric_normal = rotation * geometric;
   hit.ray_origin = rotation * (position + lift + kLift * geometric);
-  hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent)};
+  hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent), glm::vec3(f0), static_cast<float>(alpha)};
   return hit;
 }
 

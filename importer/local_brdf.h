@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "importer/ggx.h"
 #include "importer/tile.h"
 #include "material/directions.h"
 
@@ -15,8 +16,16 @@ namespace loden::importer {
 
 // pi * f_r, unitless; all directions unit.
 inline glm::dvec3 reflectance(const LocalBrdf& brdf, const glm::dvec3& normal, const glm::dvec3& wi, const glm::dvec3& wo) {
-  const double cosine = std::max(0.0, glm::dot(normal, glm::normalize(wi + wo)));
-  return glm::dvec3(brdf.diffuse) + double(brdf.specular) * std::pow(cosine, double(brdf.exponent));
+  const glm::dvec3 half = glm::normalize(wi + wo);
+  const double cosine = std::max(0.0, glm::dot(normal, half));
+  const double phong = double(brdf.specular) * std::pow(cosine, double(brdf.exponent));
+  if (brdf.alpha <= 0) return glm::dvec3(brdf.diffuse) + phong;
+  const double light = glm::dot(normal, wi), view = glm::dot(normal, wo);
+  const DiffuseCoupling coupling(brdf.alpha, std::max({brdf.f0.x, brdf.f0.y, brdf.f0.z}));
+  glm::dvec3 sum = glm::dvec3(brdf.diffuse) * double(coupling.factor(float(light)) * coupling.factor(float(view))) + phong;
+  if (light > 0 && view > 0)
+    sum += glm::mix(glm::dvec3(brdf.f0), glm::dvec3(1), schlickWeight(glm::dot(wi, half))) * ggxLobe(double(brdf.alpha), light, view, cosine);
+  return sum;
 }
 
 // x^n for x in (0, 1], n >= 0; relative error below n * 2e-7 + 2e-6. No branch and no call: loops over it vectorize.
@@ -50,17 +59,39 @@ struct LightTable {
   size_t size() const { return x.size(); }
 };
 
-// cosine[l] = max(N.L, 0); lobe[l] = specular * (N.H)^exponent * cosine[l], both of lights.size() values.
-inline void lobesOfAllLights(const LightTable& lights, const glm::vec3& normal, const glm::vec3& wo, float specular,
-                             float exponent, float* cosine, float* lobe) {
+// The GGX part of the next function.
+inline void addGgxOfAllLights(const LightTable& lights, const glm::vec3& normal, const glm::vec3& wo, const LocalBrdf& brdf,
+                              float* cosine, float* lobe, float* tinted) {
+  const float view_cosine = glm::dot(normal, wo);
+  const DiffuseCoupling coupling(brdf.alpha, std::max({brdf.f0.x, brdf.f0.y, brdf.f0.z}));
+  const float view_factor = coupling.factor(view_cosine);
+  for (size_t l = 0; l < lights.size(); ++l) {
+    const float c = cosine[l];
+    cosine[l] = c * view_factor * coupling.factor(c);
+    tinted[l] = 0;
+    if (c <= 0 || view_cosine <= 0) continue;
+    const float half = std::min((c + view_cosine) * lights.half_scale[l], 1.0f);
+    // H.L = |L + V| / 2, for unit L and V.
+    const float weight = schlickWeight(0.5f / lights.half_scale[l]), whole = ggxLobe(brdf.alpha, c, view_cosine, half) * c;
+    lobe[l] += whole * weight;
+    tinted[l] = whole * (1 - weight);
+  }
+}
+
+// The value under light l is diffuse * cosine[l] + lobe[l] + f0 * tinted[l]: cosine is max(N.L, 0), less what a GGX
+// lobe takes; lobe holds specular * (N.H)^exponent and the GGX lobe's white part. lights.size() values each; tinted
+// is written for brdf.alpha > 0 only.
+inline void lobesOfAllLights(const LightTable& lights, const glm::vec3& normal, const glm::vec3& wo, const LocalBrdf& brdf,
+                             float* cosine, float* lobe, float* tinted) {
   const float view_cosine = glm::dot(normal, wo);
   const size_t count = lights.size();
   for (size_t l = 0; l < count; ++l) {
     const float c = normal.x * lights.x[l] + normal.y * lights.y[l] + normal.z * lights.z[l];
     const float h = std::min(std::max(0.0f, (c + view_cosine) * lights.half_scale[l]), 1.0f);
     cosine[l] = std::max(c, 0.0f);
-    lobe[l] = specular * fastPower(h, exponent) * cosine[l];
+    lobe[l] = brdf.specular * fastPower(h, brdf.exponent) * cosine[l];
   }
+  if (brdf.alpha > 0) addGgxOfAllLights(lights, normal, wo, brdf, cosine, lobe, tinted);
 }
 
 }  // namespace loden::importer

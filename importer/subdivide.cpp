@@ -23,10 +23,12 @@ struct Primvar {
   glm::dvec2 uv{0};
   glm::dvec3 diffuse{0};
   glm::dvec2 specular{0};
+  glm::dvec4 ggx{0};  // f0, alpha
   void Clear() { *this = {}; }
   void AddWithWeight(const Primvar& other, float weight) {
     position += double(weight) * other.position, uv += double(weight) * other.uv;
     diffuse += double(weight) * other.diffuse, specular += double(weight) * other.specular;
+    ggx += double(weight) * other.ggx;
   }
 };
 
@@ -48,7 +50,7 @@ Result<PeriodicCage> repeatCage(const PolygonMesh& mesh, const glm::dvec2& perio
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
       positions.push_back(mesh.positions[v] + glm::dvec3(glm::dvec2(copy) * period, 0));
       const LocalBrdf& brdf = mesh.brdfs[v];
-      all.push_back({positions.back(), mesh.uvs[v] + glm::dvec2(copy), glm::dvec3(brdf.diffuse), {brdf.specular, brdf.exponent}});
+      all.push_back({positions.back(), mesh.uvs[v] + glm::dvec2(copy), glm::dvec3(brdf.diffuse), {brdf.specular, brdf.exponent}, glm::dvec4(brdf.f0, brdf.alpha)});
     }
   const auto joined = weldVertices(positions, glm::dvec3(0), kTolerance * period.x);
   PeriodicCage cage;
@@ -126,7 +128,8 @@ Result<PolygonMesh> subdivideMesh(const PolygonMesh& mesh, const glm::dvec2& per
         result.positions.push_back(limit[v].position);
         result.normals.push_back(glm::normalize(glm::cross(tangent[v].position, bitangent[v].position)));
         result.uvs.push_back(limit[v].uv);
-        result.brdfs.push_back({glm::vec3(limit[v].diffuse), float(limit[v].specular.x), float(limit[v].specular.y)});
+        result.brdfs.push_back({glm::vec3(limit[v].diffuse), float(limit[v].specular.x), float(limit[v].specular.y), glm::vec3(limit[v].ggx),
+                                float(limit[v].ggx.w)});
       }
       result.corners.push_back(index[v]);
     }

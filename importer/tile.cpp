@@ -18,7 +18,8 @@ bool finite(const glm::dvec2& v) { return std::isfinite(v.x) && std::isfinite(v.
 bool finiteVertex(const Tile& tile, size_t v) {
   const LocalBrdf& brdf = tile.brdfs[v];
   return finite(tile.positions[v]) && finite(tile.normals[v]) && finite(tile.params[v]) &&
-         finite(glm::dvec3(brdf.diffuse)) && std::isfinite(brdf.specular) && std::isfinite(brdf.exponent);
+         finite(glm::dvec3(brdf.diffuse)) && std::isfinite(brdf.specular) && std::isfinite(brdf.exponent) &&
+         finite(glm::dvec3(brdf.f0)) && std::isfinite(brdf.alpha);
 }
 
 Status checkFinite(const Tile& tile, const std::string& where) {

@@ -12,10 +12,13 @@ namespace loden::importer {
 
 // Local reflectance of the tile's own surface: f_r = (diffuse + specular * (N.H)^exponent) / pi. In white
 // units (white Lambert lit from above = 1) the value is (diffuse + specular (N.H)^exponent) * max(N.L, 0).
+// With alpha > 0 a GGX lobe is added, and the diffuse term gives way to it (importer/ggx.h).
 struct LocalBrdf {
   glm::vec3 diffuse{0.5f};  // linear RGB albedo
   float specular = 0;       // unitless, already times the lobe's normalisation
   float exponent = 32;
+  glm::vec3 f0{0};          // reflectance of the GGX lobe seen along the normal, linear RGB
+  float alpha = 0;          // its roughness, squared perceptual roughness of glTF; 0: no such lobe
 };
 
 // Units: tile periods. The mesh covers one period: vertex positions may leave [0,1)^2, and the whole plane is

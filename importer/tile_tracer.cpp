@@ -170,6 +170,8 @@ TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const {
     hit.brdf.diffuse += float(w[k]) * brdf.diffuse;
     hit.brdf.specular += float(w[k]) * brdf.specular;
     hit.brdf.exponent += float(w[k]) * brdf.exponent;
+    hit.brdf.f0 += float(w[k]) * brdf.f0;
+    hit.brdf.alpha += float(w[k]) * brdf.alpha;
   }
   hit.normal = glm::normalize(hit.normal);
   const glm::dvec3 face = glm::cross(tile.positions[v[1]] - tile.positions[v[0]], tile.positions[v[2]] - tile.positions[v[0]]);

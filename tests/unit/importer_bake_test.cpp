@@ -5,6 +5,7 @@
 
 #include "importer/bake.h"
 #include "importer/local_brdf.h"
+#include "importer/mesh_material.h"
 #include "importer/push_pull.h"
 #include "importer/random.h"
 #include "importer/tile_tracer.h"
@@ -240,18 +241,18 @@ TEST(ShadeHit, WhiteFurnaceReturnsAllLightWithEnoughBounces) {
 TEST(LocalBrdf, AllLightsAtOnceAgreeWithOneByOne) {
   const DirectionSet set = bonn81Directions();
   LightTable lights(set);
-  const LocalBrdf brdf{glm::vec3(0), 0.7f, 45};
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.2, 0.9));
-  std::vector<float> cosine(lights.size()), lobe(lights.size());
-  for (const glm::dvec3& wo : set.samples) {
-    lights.setView(glm::vec3(wo));
-    lobesOfAllLights(lights, glm::vec3(normal), glm::vec3(wo), brdf.specular, brdf.exponent, cosine.data(), lobe.data());
-    for (size_t l = 0; l < lights.size(); ++l) {
-      const double c = std::max(0.0, glm::dot(normal, set.samples[l]));
-      EXPECT_NEAR(cosine[l], c, 1e-6);
-      EXPECT_NEAR(lobe[l], reflectance(brdf, normal, set.samples[l], wo).x * c, 2e-5);
+  std::vector<float> cosine(lights.size()), lobe(lights.size()), tinted(lights.size());
+  for (const LocalBrdf& brdf : {LocalBrdf{glm::vec3(0.1f, 0.5f, 0.2f), 0.7f, 45}, brdfFromMetallicRoughness({0.9f, 0.6f, 0.1f}, 0.4f, 0.5f)})
+    for (const glm::dvec3& wo : set.samples) {
+      lights.setView(glm::vec3(wo));
+      lobesOfAllLights(lights, glm::vec3(normal), glm::vec3(wo), brdf, cosine.data(), lobe.data(), tinted.data());
+      for (size_t l = 0; l < lights.size(); ++l) {
+        const glm::dvec3 expected = reflectance(brdf, normal, set.samples[l], wo) * std::max(0.0, glm::dot(normal, set.samples[l]));
+        const glm::dvec3 value(brdf.diffuse * cosine[l] + lobe[l] + brdf.f0 * (brdf.alpha > 0 ? tinted[l] : 0.0f));
+        EXPECT_LT(glm::length(value - expected), 5e-5 + 1e-4 * glm::length(expected));  // float against double
+      }
     }
-  }
 }
 
 TEST(LocalBrdf, FastPowerIsClose) {

@@ -242,7 +242,8 @@ TEST(TileGltf, ReadsTransformedGeometryAndMaterial) {
   EXPECT_EQ(tile->triangles.size(), 2u);
   EXPECT_TRUE(tile->identity_parameterization);
   EXPECT_EQ(tile->brdfs[0].diffuse, glm::vec3(0.5f, 0.25f, 0.125f));
-  EXPECT_FLOAT_EQ(tile->brdfs[0].exponent, 30);  // alpha = .25
+  EXPECT_FLOAT_EQ(tile->brdfs[0].alpha, 0.25f);
+  EXPECT_EQ(tile->brdfs[0].f0, glm::vec3(0.04f));
   EXPECT_NEAR(tile->normals[0].z, 1, 1e-12);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "importer/charts.h"
+#include "importer/mesh_repair.h"
 #include "importer/tile_internal.h"
 #include "importer/tile_params.h"
 #include "importer/tile_tracer.h"
@@ -88,6 +89,9 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
   if (!mesh) return mesh.issue();
   if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "no faces; a tile needs a surface");
   if (const Status status = checkFinite(*mesh, where); !status) return status.issue();
+  if (options.subdivide == 0)  // OpenSubdiv judges cages itself
+    if (const Status status = repairMesh(*mesh, where); !status) return status.issue();
+  if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "all triangles are degenerate: their corners lie on lines");
   const auto origin = giveParams(*mesh, options.subdivide, where);
   if (!origin) return origin.issue();
   Tile tile;

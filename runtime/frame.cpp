@@ -85,7 +85,8 @@ struct FrameRenderer::Impl {
   GpuScene scene;
   GlBuffer frame_uniforms, shadow_uniforms;
   ShadowMap shadow;
-  bool shadow_drawn = false;
+  bool shadow_drawn = false, shadow_relief = false;
+  uint64_t shadow_revision = 0;  // of the materials' geometry
   MultisampleTarget multisample;
 
   View view;
@@ -101,6 +102,9 @@ struct FrameRenderer::Impl {
   SceneFrame frameData() const;
   void uploadUniforms();
   void drawObject(int object) const;
+  bool movesDepth(MaterialId id) const;
+  bool shadowIsCurrent() const;
+  Status useShadowProgram(int object);
   Status drawShadowMap();
   Status drawDepth();
   Result<uint32_t> useMaterial(MaterialId id);
@@ -114,7 +118,7 @@ void FrameRenderer::Impl::findVisible() {
   visible.clear();
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     const Bounds& box = scene.objects[i].bounds;
-    if (!intersects(frustum, box)) continue;
+    if (settings.cull && !intersects(frustum, box)) continue;
     visible.push_back({static_cast<int>(i), glm::distance(view.position, glm::clamp(view.position, box.min, box.max))});
   }
   std::stable_sort(visible.begin(), visible.end(),
@@ -187,28 +191,47 @@ void FrameRenderer::Impl::drawObject(int index) const {
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
 }
 
-// Drawn once: neither sun nor objects move.
-Status FrameRenderer::Impl::drawShadowMap() {
-  if (!scene.sun || !settings.shadows || shadow_drawn) return {};
-  const GlDebugGroup group("sun shadow");
-  const Result<uint32_t> program = shaders.program("scene_depth", {});
+// Neither sun nor objects move: only a relief that arrives or goes changes the map.
+bool FrameRenderer::Impl::shadowIsCurrent() const {
+  if (!shadow_drawn || shadow_relief != settings.parallax_depth) return false;
+  return !settings.parallax_depth || shadow_revision == materials.geometryRevision();
+}
+
+// The program that draws an object's depth as the sun sees it.
+Status FrameRenderer::Impl::useShadowProgram(int object) {
+  const MaterialId id = materialOf(object);
+  const bool relief = movesDepth(id);
+  const Result<uint32_t> program =
+      relief ? shaders.program("scene_shadow", materials.variant(id)) : shaders.program("scene_depth", {});
   if (!program) return program.issue();
+  glUseProgram(*program);
+  if (relief) materials.bind(id);
+  return {};
+}
+
+Status FrameRenderer::Impl::drawShadowMap() {
+  if (!scene.sun || !settings.shadows || shadowIsCurrent()) return {};
+  const GlDebugGroup group("sun shadow");
   if (!shadow.depth) shadow = makeShadowMap();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow.framebuffer.name());
   glViewport(0, 0, ShadowMap::kSide, ShadowMap::kSide);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glUseProgram(*program);
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, shadow_uniforms.name());
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.0f, 2.0f);
-  for (size_t i = 0; i < scene.objects.size(); ++i) drawObject(static_cast<int>(i));
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    if (Status status = useShadowProgram(static_cast<int>(i)); !status) return status;
+    drawObject(static_cast<int>(i));
+  }
   glDisable(GL_POLYGON_OFFSET_FILL);
   stats.depth_draw_calls += static_cast<int>(scene.objects.size());
   shadow_drawn = true;
+  shadow_relief = settings.parallax_depth;
+  shadow_revision = materials.geometryRevision();
   return {};
 }
 
-// Objects whose shading pass moves the depth write it there.
+// Objects whose shading pass moves the depth write it there: one lookup decides what is seen and how it is lit.
 Status FrameRenderer::Impl::drawDepth() {
   if (!settings.depth_prepass) return {};
   const GlDebugGroup group("depth pre-pass");
@@ -217,7 +240,7 @@ Status FrameRenderer::Impl::drawDepth() {
   glUseProgram(*program);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   for (const Drawable& drawable : visible) {
-    if (settings.parallax_depth && materialOf(drawable.object)) continue;
+    if (movesDepth(materialOf(drawable.object))) continue;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
   }
@@ -225,8 +248,12 @@ Status FrameRenderer::Impl::drawDepth() {
   return {};
 }
 
+bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
+  return settings.parallax_depth && id && hasRelief(materials.variant(id));
+}
+
 Result<uint32_t> FrameRenderer::Impl::useMaterial(MaterialId id) {
-  const char* row = id && settings.parallax_depth ? "scene_forward_depth" : "scene_forward";
+  const char* row = movesDepth(id) ? "scene_forward_depth" : "scene_forward";
   const Result<uint32_t> program = shaders.program(row, id ? materials.variant(id) : MaterialVariant{});
   if (!program) return program;
   glUseProgram(*program);
@@ -281,7 +308,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
   if (!gpu) return gpu.issue();
   auto impl = std::unique_ptr<Impl>(new Impl{shaders, materials, std::move(gpu.value()),
                                              makeFrameUniforms("frame uniforms"), makeFrameUniforms("shadow uniforms"),
-                                             {}, false, {}, {}, {}, {}, {}, {}});
+                                             {}, false, false, 0, {}, {}, {}, {}, {}, {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
 }
 

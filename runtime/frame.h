@@ -23,7 +23,10 @@ struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
   bool shadows = true;
   bool depth_prepass = true;
-  bool parallax_depth = false;       // depth, shadows and lamps at the displaced hit; costs the early depth test
+  bool cull = true;                  // leaves out what is not in view; off for measuring
+  // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a relief's
+  // valleys is seen and lit. Costs a lookup per texel of the shadow map, and the depth pre-pass of these objects.
+  bool parallax_depth = false;
   int samples = 1;                   // per pixel, for silhouettes; 1, 2, 4 or 8
   std::optional<float> lambda;       // instead of the footprint's, everywhere
   ToneCurve tone = ToneCurve::kFilmic;

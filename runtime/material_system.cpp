@@ -84,6 +84,9 @@ struct MaterialSystem::Impl {
   void publishAll();
   ResidentState residentState(uint32_t index) const;
   void countFrame();
+  void countGeometry(PartRef ref) {
+    if (slots[ref.slot].plan[ref.part].kind == PartKind::kGeometry) ++geometry_revision;
+  }
   bool current(const PartTicket& ticket) const {
     const Slot& slot = slots[ticket.ref.slot];
     return slot.alive && ticket.ref.part < slot.serials.size() && slot.serials[ticket.ref.part] == ticket.serial;
@@ -97,6 +100,7 @@ struct MaterialSystem::Impl {
   std::deque<UploadJob> uploads;
   std::vector<Demand> demands, last_demands;
   uint64_t next_serial = 1;
+  uint64_t geometry_revision = 0;
   MaterialStats stats;
   std::atomic<uint64_t> read_bytes{0};
   LoadingThread loader;  // last: its thread reads the rest
@@ -180,6 +184,8 @@ void MaterialSystem::bind(MaterialId id) { impl_->slotOf(id).gpu.bind(); }
 float MaterialSystem::residentLambda(MaterialId id) const {
   return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
 }
+
+uint64_t MaterialSystem::geometryRevision() const { return impl_->geometry_revision; }
 
 void MaterialSystem::demand(MaterialId id, float lambda) {
   const uint32_t index = impl_->indexOf(id);
@@ -286,6 +292,7 @@ bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
   slots[job.ticket.ref.slot].gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
   residency.arrived(job.ticket.ref);
+  countGeometry(job.ticket.ref);
 }
 
 void MaterialSystem::Impl::evict(PartRef ref) {
@@ -295,6 +302,7 @@ void MaterialSystem::Impl::evict(PartRef ref) {
   loader.cancel(ref);
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
+  countGeometry(ref);
 }
 
 void MaterialSystem::Impl::request(PartRef ref) {

@@ -26,7 +26,7 @@ struct MaterialId {
 struct MaterialSystemOptions {
   uint64_t budget_bytes = 64u << 20;            // GPU bytes of all parts, those in flight included
   uint64_t upload_bytes_per_frame = 1u << 20;   // at least one row of texels goes up per frame
-  float fade_levels_per_second = 4;             // of arriving detail
+  float fade_levels_per_second = 2.5f;          // of arriving detail; FLIP between frames at 30 Hz stays below .05
   Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM
   VdimAtlasSize atlas_size{};                   // at most; smaller where the budget is tight
   int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
@@ -78,6 +78,9 @@ class MaterialSystem {
   void bind(MaterialId id);
   // The smallest lambda that the shader will use: detail below it is not resident.
   float residentLambda(MaterialId id) const;
+
+  // Changes whenever a geometry image arrives on the GPU or leaves it: what was drawn with its relief is out of date.
+  uint64_t geometryRevision() const;
 
   // After the context is gone: forget every name; after the new one is current: everything streams in again.
   void contextLost();

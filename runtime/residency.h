@@ -15,7 +15,7 @@ namespace loden::runtime {
 struct ResidencyOptions {
   uint64_t budget_bytes = 64u << 20;
   uint64_t floor_bytes = 64u << 10;  // leading parts up to this many bytes stay resident, visible or not
-  float fade_levels_per_second = 4;  // of detail that has arrived
+  float fade_levels_per_second = 2.5f;  // of detail that has arrived
   int hysteresis_frames = 8;         // a part that is no longer wanted stays this many frames
   float hysteresis_lambda = 0.5f;    // head start of what is resident over what is not, levels
   int max_loading = 8;               // parts asked for at once

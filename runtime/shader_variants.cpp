@@ -29,7 +29,12 @@ const ProgramRow* findProgramRow(std::string_view name) {
   return nullptr;
 }
 
+bool hasRelief(const MaterialVariant& variant) {
+  return variant.lookup == Lookup::kFast || variant.lookup == Lookup::kDefault;
+}
+
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
+  if (row.relief && !hasRelief(variant)) return false;
   switch (variant.kind) {
     case MaterialVariant::Kind::kNone: return row.none && variant == MaterialVariant{};
     case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0 && !variant.nearest_tables;

@@ -32,13 +32,18 @@ struct ProgramRow {
   bool none = false;     // may be built without a material
   bool surface = false;  // for surface materials
   bool bands = false;    // for 1 .. LODEN_MAX_BANDS bands
+  bool relief = false;   // only for variants whose lookup finds a depth
 };
 
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", "", true, false, false},
     {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "", true, true, true},
-    {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "SCENE_PARALLAX_DEPTH 1", false, true, true},
+    {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "SCENE_PARALLAX_DEPTH 1", false, true, true, true},
+    {"scene_shadow", "scene_forward.vert.glsl", "scene_shadow.frag.glsl", "SCENE_PARALLAX_DEPTH 1", false, true, true, true},
 };
+
+// Whether the variant's lookup finds a depth below the reference plane.
+bool hasRelief(const MaterialVariant& variant);
 
 // A row by name; null if there is none.
 const ProgramRow* findProgramRow(std::string_view name);

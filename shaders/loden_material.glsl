@@ -5,7 +5,8 @@
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
-//   LODEN_NO_BRANCH                                            evaluates closed windows too, to measure the gain
+//   LODEN_NO_BRANCH, LODEN_ALWAYS_LOOKUP                       evaluates closed windows, finds p where no band reads
+//                                                              it, to measure the gain of leaving them out
 //
 // Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
 //   LodenMaterial m = loden_material_default();
@@ -52,7 +53,7 @@ float loden_parallax_fade(float lambda, vec3 wo) {
 
 // True if anything shown at this lambda is read at p.
 bool loden_needs_parameter(float lambda) {
-#ifdef LODEN_MODE_SURFACE
+#if defined(LODEN_MODE_SURFACE) || defined(LODEN_ALWAYS_LOOKUP)
   return true;
 #else
   bool needed = false;

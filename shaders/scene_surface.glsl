@@ -18,6 +18,9 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
   point.material = loden_material_default();
   point.material.lambda_min = loden_material.mean_chroma.z;
   point.material.lambda_bias = scene.lambda.y;
+#ifdef SCENE_PARALLAX_DEPTH
+  point.material.skip_parallax = false;  // seen from above a relief moves nothing sideways, but is deep all the same
+#endif
   if ((scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0)
     point.hit = loden_find_hit_at(point.material, x, scene.lambda.x, wo);
   else

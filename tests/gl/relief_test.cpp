@@ -1,0 +1,164 @@
+// Parallax-correct depth: what a tile's relief hides, shows and shadows, against the relief's own geometry.
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "material/directions.h"
+#include "runtime/frame.h"
+#include "runtime/mesh_analytic.h"
+#include "tests/gl/gl_fixture.h"
+#include "tests/unit/material_fixtures.h"
+
+namespace loden::test {
+namespace {
+
+using namespace runtime;
+
+constexpr float kPeriod = 0.125f, kDepth = 0.1f * kPeriod;  // metres
+constexpr glm::ivec2 kSize{96, 96};
+
+// Ridges along y: high where fract(x) < .5, 0.1 periods lower elsewhere. White and matte.
+Material ridges() {
+  constexpr int kSide = 64;
+  Material material = surfaceMaterial();
+  material.stored_vdim.reset();
+  material.side = kSide;
+  material.value_scale = float(1 / kPi);
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < kSide * kSide; ++t) {
+    const glm::dvec2 p((t % kSide + 0.5) / kSide, (t / kSide + 0.5) / kSide);
+    positions.emplace_back(p, p.x < 0.5 ? 0.0 : -0.1);
+  }
+  material.geometry = encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  const auto fill = [](Texture& texture, const glm::vec4& value) {
+    for (int mip = 0; mip < texture.mips; ++mip)
+      for (int y = 0; y < texture.mipHeight(mip); ++y)
+        for (int x = 0; x < texture.mipWidth(mip); ++x) storeTexel(texture, mip, x, y, 0, value);
+  };
+  fill(material.surface->normal, {0, 0, 1, 0});
+  fill(material.surface->diffuse, {1, 1, 1, 1});
+  fill(material.surface->specular, {0, 0, 0, 0});
+  return material;
+}
+
+// A horizontal white chip, 2 half sizes long.
+void addChip(Scene& scene, const glm::vec3& centre, const glm::vec2& half) {
+  Mesh mesh;
+  mesh.name = "chip";
+  for (const glm::vec2 c : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(1, 1), glm::vec2(-1, 1)})
+    mesh.vertices.push_back({centre + glm::vec3(c * half, 0), {0, 0, 1}, {1, 0, 0, 1}, c});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  mesh.bounds = boundsOf(mesh);
+  scene.meshes.push_back(mesh);
+  SceneMaterial material;
+  material.base_color = {1, 0, 0, 1};
+  material.metallic = 0;
+  scene.materials.push_back(material);
+  scene.instances.push_back({"chip", 1, 1, glm::mat4(1)});
+}
+
+class Relief : public GlTest {
+ protected:
+  Scene sceneUnder(const glm::vec3& to_sun) {
+    Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::normalize(to_sun));
+    scene.assets[0].embedded = std::move(*serializeAsset(ridges()));
+    scene.assets[0].name = "ridges";
+    return scene;
+  }
+
+  // Seen from 1 m above x = centre; pixels are 1.8 mm wide.
+  std::vector<glm::vec4> picture(const Scene& scene, bool shadows, float centre) {
+    auto materials = makeMaterials();
+    ShaderLibrary shaders(*device, {});
+    auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+    EXPECT_TRUE(renderer.ok());
+    FrameSettings settings;
+    settings.parallax_depth = true;
+    settings.shadows = shadows;
+    settings.tone = ToneCurve::kClip;
+    settings.sky_ambient = settings.ground_ambient = settings.background = glm::vec3(0);
+    Camera camera;
+    camera.position = {centre, 0, 1};
+    camera.target = {centre, 0, 0};
+    camera.up = {0, 1, 0};
+    camera.fov_degrees = 10;
+    const RenderTarget target = makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
+    (*renderer)->prepare(makeView(camera, target.size), settings);
+    materials->finishLoading();
+    EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+    centre_ = centre;
+    return readLinear(target);
+  }
+  // Of a point of the plane z = 0.
+  glm::ivec2 pixelAt(glm::vec2 at) const {
+    const float scale = float(kSize.y) / (2 * std::tan(float(5 * kPi / 180)));
+    return glm::ivec2(glm::floor(glm::vec2(kSize) * 0.5f + (at - glm::vec2(centre_, 0)) * scale));
+  }
+  // Smallest and largest green of the pixels over a rectangle of the plane.
+  std::pair<float, float> range(const std::vector<glm::vec4>& pixels, glm::vec2 low, glm::vec2 high) const {
+    float least = 1e9f, most = -1e9f;
+    const glm::ivec2 a = pixelAt(low), b = pixelAt(high);
+    for (int y = a.y; y <= b.y; ++y)
+      for (int x = a.x; x <= b.x; ++x) {
+        least = std::min(least, pixels[size_t(y) * kSize.x + x].g);
+        most = std::max(most, pixels[size_t(y) * kSize.x + x].g);
+      }
+    return {least, most};
+  }
+
+ private:
+  float centre_ = 0;
+};
+
+TEST_F(Relief, DoesNotShadowItself) {
+  for (const glm::vec3& to_sun : {glm::vec3(0.02f, 0.01f, 1), glm::vec3(1, 0.2f, 1), glm::vec3(-1, -1, 0.6f)}) {
+    const Scene scene = sceneUnder(to_sun);
+    const auto lit = picture(scene, false, 0), shadowed = picture(scene, true, 0);
+    float off = 0;
+    for (size_t i = 0; i < lit.size(); ++i) off = std::max(off, std::abs(lit[i].g - shadowed[i].g));
+    EXPECT_LT(off, 1e-3f) << "its own shadows are part of the material";
+  }
+}
+
+// A chip that lies in a valley, below the reference plane: it is seen, and the sun reaches it.
+TEST_F(Relief, ShowsAndLightsWhatLiesInAValley) {
+  Scene scene = sceneUnder({0.02f, 0, 1});
+  const glm::vec2 valley(0.75f * kPeriod, 0);
+  addChip(scene, {valley, -0.5f * kDepth}, {0.015f, 0.015f});
+  const auto lit = picture(scene, false, valley.x), shadowed = picture(scene, true, valley.x);
+  const auto [least, most] = range(shadowed, valley - 0.01f, valley + 0.01f);
+  const auto [lit_least, lit_most] = range(lit, valley - 0.01f, valley + 0.01f);
+  EXPECT_LT(most, 0.2f) << "the red chip, not the white tile";
+  EXPECT_GT(lit_least, 0);
+  EXPECT_NEAR(least, lit_least, 1e-3f);
+  EXPECT_NEAR(most, lit_most, 1e-3f);
+  // Under the ridge beside it, it would be hidden.
+  Scene hidden = sceneUnder({0.02f, 0, 1});
+  addChip(hidden, {0.25f * kPeriod, 0, -0.5f * kDepth}, {0.015f, 0.015f});
+  const auto covered = picture(hidden, true, 0.25f * kPeriod);
+  EXPECT_GT(range(covered, {0.25f * kPeriod - 0.01f, -0.01f}, {0.25f * kPeriod + 0.01f, 0.01f}).first, 0.5f);
+}
+
+// A chip above the tile: its shadow has no gap and lies where geometry puts it, on a ridge and in a valley.
+TEST_F(Relief, TakesTheShadowOfWhatStandsAboveIt) {
+  const float height = 0.04f, half = 0.02f;
+  const glm::vec3 to_sun(1, 0, 1);  // so that shadows lie as far to the left as their casters are high
+  for (const float at : {0.25f, 0.75f}) {
+    const float z = at < 0.5f ? 0 : -kDepth, shadow = at * kPeriod;
+    Scene scene = sceneUnder(to_sun);
+    addChip(scene, {shadow + height - z, 0, height}, {half, half});
+    const auto pixels = picture(scene, true, shadow);
+    const float margin = 0.006f;  // two texels of the shadow map, two pixels
+    // Within its own ridge or valley, which is .06 m wide.
+    const float inside = half - margin;
+    EXPECT_LT(range(pixels, {shadow - inside, -inside}, {shadow + inside, inside}).second, 0.02f) << "a gap, z = " << z;
+    const float beside = half + margin;
+    EXPECT_GT(range(pixels, {shadow - 0.01f, beside}, {shadow + 0.01f, beside + 0.02f}).first, 0.5f) << "too long, z = " << z;
+    EXPECT_GT(range(pixels, {shadow - half - margin - 0.003f, -0.01f}, {shadow - half - margin, 0.01f}).first, 0.5f)
+        << "too wide, z = " << z;
+  }
+}
+
+}  // namespace
+}  // namespace loden::test

@@ -187,7 +187,8 @@ double gutterOf(const Tile& tile) {
       int last = start;
       for (int k = start + 1; k <= start + kCells; ++k) {
         if (at(k) == 0) continue;
-        if (at(k) != at(last) || k - last > 1) least = std::min(least, k - last - 1);
+        // Bays of one chart's outline are no gutters.
+        if (at(k) != at(last) || (k >= kCells && last < kCells && k - last > 1)) least = std::min(least, k - last - 1);
         last = k;
       }
     }

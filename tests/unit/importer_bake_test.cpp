@@ -122,6 +122,29 @@ TEST(Bake, ResumesWithTheSameBytes) {
   EXPECT_EQ(contents(whole.path()), contents(broken.path()));
 }
 
+TEST(Bake, HarmonicFillChangesOnlyWhatAViewDoesNotSee) {
+  const TemporaryFolder a, b;
+  BakeOptions options = smallBake(16);
+  const BakedOutput plain = baked(groovedTile(), a.path(), options);
+  options.fill = FillMethod::kHarmonic;
+  const BakedOutput harmonic = baked(groovedTile(), b.path(), options);
+  EXPECT_EQ(plain.manifest().fill, FillMethod::kPushPull);
+  EXPECT_EQ(harmonic.manifest().fill, FillMethod::kHarmonic);
+  size_t filled = 0, changed = 0;
+  for (int view = 0; view < plain.manifest().directions.size(); ++view) {
+    const auto visible = *plain.visibleView(view);
+    EXPECT_EQ(visible, *harmonic.visibleView(view));  // the mask of what is defined stays beside the maps
+    const auto p = *plain.flatView(view), h = *harmonic.flatView(view);
+    for (size_t k = 0; k < p.size(); ++k) {
+      const bool defined = visible[k % visible.size()] > 0;
+      EXPECT_TRUE(!defined || p[k] == h[k]);
+      filled += !defined, changed += p[k] != h[k];
+    }
+  }
+  EXPECT_GT(filled, 100u);
+  EXPECT_GT(changed, filled / 4);
+}
+
 TEST(Bake, ResumeRefusesAnotherBakeAndAPlainRunReplacesIt) {
   const TemporaryFolder folder;
   (void)baked(groovedTile(), folder.path(), smallBake());

@@ -83,6 +83,37 @@ bool intersects(const Frustum& frustum, const Bounds& world) {
   });
 }
 
+FacingCone facingCone(const Mesh& mesh, const glm::mat4& world_from_local) {
+  const glm::mat3 linear(world_from_local);
+  const float side = glm::determinant(linear) < 0 ? -1.0f : 1.0f;  // mirrored meshes show their other winding
+  std::vector<glm::vec3> normals;
+  glm::vec3 sum(0);
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const auto corner = [&](size_t k) { return mesh.vertices[mesh.indices[i + k]].position; };
+    const glm::vec3 normal = side * glm::cross(linear * (corner(1) - corner(0)), linear * (corner(2) - corner(0)));
+    const float length = glm::length(normal);
+    if (!(length > 1e-20f)) continue;
+    normals.push_back(normal / length);
+    sum += normal;
+  }
+  FacingCone cone;
+  if (!(glm::length(sum) > 1e-12f)) return cone;
+  cone.axis = glm::normalize(sum);
+  cone.angle = 0;
+  for (const glm::vec3& normal : normals)
+    cone.angle = std::max(cone.angle, std::acos(std::clamp(glm::dot(normal, cone.axis), -1.0f, 1.0f)));
+  return cone;
+}
+
+bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye) {
+  const glm::vec3 to_eye = eye - world.centre();
+  const float distance = glm::length(to_eye), radius = world.radius();
+  if (!(distance > radius)) return false;
+  // Seen from anywhere in the box, the eye lies within asin(radius / distance) of where its centre sees it.
+  const float between = std::acos(std::clamp(glm::dot(to_eye, cone.axis) / distance, -1.0f, 1.0f));
+  return between > static_cast<float>(kPi / 2) + cone.angle + std::asin(radius / distance) + 1e-3f;
+}
+
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local) {
   std::vector<TriangleDensity> densities;
   float total = 0;

@@ -32,6 +32,15 @@ Frustum frustumOf(const glm::mat4& clip_from_world);
 // False only if the box is certainly outside.
 bool intersects(const Frustum& frustum, const Bounds& world);
 
+// The directions that a mesh's front faces look in: all within the angle of the axis.
+struct FacingCone {
+  glm::vec3 axis{0, 0, 1};  // unit, world
+  float angle = 4;          // radians; pi or more: every direction
+};
+FacingCone facingCone(const Mesh& mesh, const glm::mat4& world_from_local);
+// True only if the eye certainly sees nothing but back faces of what is in the box.
+bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye);
+
 // How finely a mesh's UVs are sampled: (UV -> world) is given per triangle by two singular values. Tile periods per
 // metre, such that only 2 % of the area has fewer.
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local);

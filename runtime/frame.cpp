@@ -118,7 +118,8 @@ void FrameRenderer::Impl::findVisible() {
   visible.clear();
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     const Bounds& box = scene.objects[i].bounds;
-    if (settings.cull && !intersects(frustum, box)) continue;
+    const bool seen = intersects(frustum, box) && !facesAway(scene.objects[i].facing, box, view.position);
+    if (settings.cull && !seen) continue;
     visible.push_back({static_cast<int>(i), glm::distance(view.position, glm::clamp(view.position, box.min, box.max))});
   }
   std::stable_sort(visible.begin(), visible.end(),

@@ -23,7 +23,7 @@ struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
   bool shadows = true;
   bool depth_prepass = true;
-  bool cull = true;                  // leaves out what is not in view; off for measuring
+  bool cull = true;                  // leaves out what is not in view or shows its back; off for measuring
   // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a relief's
   // valleys is seen and lit. Costs a lookup per texel of the shadow map, and the depth pre-pass of these objects.
   bool parallax_depth = false;

@@ -36,6 +36,7 @@ Object makeObject(const Scene& scene, const Instance& instance) {
   object.bounds = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
   object.mirrored = glm::determinant(glm::mat3(instance.world_from_local)) < 0;
   object.double_sided = material.double_sided;
+  if (!object.double_sided) object.facing = facingCone(scene.meshes[instance.mesh], instance.world_from_local);
   if (!material.flat_btf) return object;
   object.asset = material.flat_btf->asset;
   object.periods_per_metre = uvDensity(scene.meshes[instance.mesh], *material.flat_btf, instance.world_from_local);

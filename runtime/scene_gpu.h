@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/camera.h"
 #include "runtime/device.h"
 #include "runtime/frame_shadow.h"
 #include "runtime/gl_objects.h"
@@ -21,6 +22,7 @@ struct Object {
   int asset = -1;               // index into GpuScene::assets; -1: drawn with its base material
   float periods_per_metre = 1;  // of its UVs
   Bounds bounds;                // world
+  FacingCone facing;            // every direction if double sided
   bool mirrored = false;        // by its transform: front faces are clockwise
   bool double_sided = false;
 };

@@ -83,5 +83,51 @@ TEST(CameraPath, PassesThroughItsKeysAndIsSmooth) {
   EXPECT_LT(glm::distance(before, after), 1e-3);
 }
 
+TEST(FacingCone, OfAPlaneIsItsNormal) {
+  const Mesh plane = analyticMesh(analyticSurface(SurfaceKind::kPlane));
+  const FacingCone cone = facingCone(plane, glm::mat4(1));
+  EXPECT_NEAR(cone.axis.z, 1, 1e-6);
+  EXPECT_NEAR(cone.angle, 0, 1e-3);
+  EXPECT_FALSE(facesAway(cone, plane.bounds, {0, 0, 2}));
+  EXPECT_FALSE(facesAway(cone, plane.bounds, {5, 0, 0.1f}));
+  EXPECT_TRUE(facesAway(cone, plane.bounds, {0, 0, -5}));
+  EXPECT_FALSE(facesAway(cone, plane.bounds, {0, 0, -1})) << "inside the sphere around it: not certain";
+  // A mirrored plane still shows its front above: its winding turns with the transform.
+  glm::mat4 mirrored(1);
+  mirrored[0][0] = -1;
+  EXPECT_NEAR(facingCone(plane, mirrored).axis.z, 1, 1e-6);
+}
+
+TEST(FacingCone, OfASphereIsEveryDirection) {
+  const Mesh sphere = analyticMesh(analyticSurface(SurfaceKind::kSphere));
+  const FacingCone cone = facingCone(sphere, glm::mat4(1));
+  for (const glm::vec3& eye : {glm::vec3(0, 0, 9), glm::vec3(0, -9, 0), glm::vec3(9, 0, -9)})
+    EXPECT_FALSE(facesAway(cone, sphere.bounds, eye));
+}
+
+// Against every triangle of a bent strip, from many eyes.
+TEST(FacingCone, NeverDropsAFrontFace) {
+  Mesh strip = analyticMesh(analyticSurface(SurfaceKind::kCylinder));
+  strip.indices.resize(strip.indices.size() / 8);
+  const FacingCone cone = facingCone(strip, glm::mat4(1));
+  strip.bounds = {glm::vec3(1e9f), glm::vec3(-1e9f)};
+  for (const uint32_t index : strip.indices) {
+    strip.bounds.min = glm::min(strip.bounds.min, strip.vertices[index].position);
+    strip.bounds.max = glm::max(strip.bounds.max, strip.vertices[index].position);
+  }
+  int dropped = 0;
+  for (int k = 0; k < 500; ++k) {
+    const glm::vec3 eye = 8.0f * glm::vec3(std::sin(1.7f * float(k)), std::cos(2.3f * float(k)), std::sin(0.7f * float(k)));
+    if (!facesAway(cone, strip.bounds, eye)) continue;
+    ++dropped;
+    for (size_t i = 0; i < strip.indices.size(); i += 3) {
+      const glm::vec3 a = strip.vertices[strip.indices[i]].position, b = strip.vertices[strip.indices[i + 1]].position,
+                      c = strip.vertices[strip.indices[i + 2]].position;
+      ASSERT_LE(glm::dot(glm::cross(b - a, c - a), eye - a), 1e-6f);
+    }
+  }
+  EXPECT_GT(dropped, 50);
+}
+
 }  // namespace
 }  // namespace loden::runtime

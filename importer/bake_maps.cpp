@@ -84,6 +84,7 @@ namespace {
 // Texels beside a chart continue it: within kMargin of its border they count as its surface, so that patches
 // reach the border; further on they only lead searches back.
 constexpr double kMargin = 1.4143, kContinuation = 8;  // texels
+constexpr double kFilterReach = 2;  // texels of a surface map beyond a border that filters read
 
 // Where the surface would be beyond its border, no further off than it would be on a map that stretches by
 // kMaxStretch.
@@ -131,6 +132,16 @@ Image filledMap(int side, int channels, const HoleFill& fill, std::vector<glm::v
   return image;
 }
 
+// The surface beside a chart's border: the normal goes on turning as it does there, the reflectance stays. Filters
+// that reach over the border then see no step.
+TileHit continuedPoint(const TileTracer& tracer, const ParamExtension& beyond) {
+  constexpr double kMostTurn = 0.7;  // cosine; needles would turn it anywhere
+  TileHit hit = tracer.pointOn(beyond.triangle, beyond.edge);
+  const glm::dvec3 normal = tracer.pointOn(beyond.triangle, beyond.b).normal;
+  if (glm::dot(normal, hit.normal) > kMostTurn) hit.normal = normal;
+  return hit;
+}
+
 }  // namespace
 
 SurfaceImages bakeSurface(const BakeScene& scene) {
@@ -139,18 +150,22 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
   std::vector<float> coverage(texels);
   std::vector<glm::vec3> normal(texels), diffuse(texels), specular(texels);
   std::vector<std::vector<ParamSample>> located;
+  const auto add = [&](size_t t, const TileHit& hit) {
+    coverage[t] += 1;
+    normal[t] += glm::vec3(hit.normal);
+    diffuse[t] += hit.brdf.diffuse;
+    specular[t] += glm::vec3(phongLobe(hit.brdf), 0);
+  };
   for (int k = 0; k < per_side * per_side; ++k) {
     located.push_back(locateParams(scene.tracer.tile(), side, samplePosition(k, per_side)));
     for (size_t t = 0; t < texels; ++t) {
       const ParamSample& at = located.back()[t];
-      if (!at.covered()) continue;
-      const TileHit hit = scene.tracer.pointOn(at.triangle, glm::dvec2(at.b));
-      coverage[t] += 1;
-      normal[t] += glm::vec3(hit.normal);
-      diffuse[t] += hit.brdf.diffuse;
-      specular[t] += glm::vec3(phongLobe(hit.brdf), 0);
+      if (at.covered()) add(t, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)));
     }
   }
+  const auto beyond = extendParams(scene.tracer.tile(), side, kFilterReach);
+  for (size_t t = 0; t < texels; ++t)
+    if (coverage[t] == 0 && beyond[t].exists()) add(t, continuedPoint(scene.tracer, beyond[t]));
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] > 0) normal[t] /= coverage[t], diffuse[t] /= coverage[t], specular[t] /= coverage[t];
   const HoleFill fill(scene.manifest.fill, side, coverage, ownersOf(scene.tracer.tile(), side, located));

@@ -181,6 +181,34 @@ TEST(Weave, IsRefusedAtASizeThatLeavesNoGutter) {
   EXPECT_NE(report.issue().text.find("gutters"), std::string::npos) << report.issue().text;
 }
 
+// Where a yarn is cut, a filter over the surface maps reads the yarn's own normals, as they would go on.
+TEST(Weave, NormalsGoOnBeyondTheCut) {
+  const Tile tile = *builtinTile("weave", 96);
+  const TemporaryFolder folder;
+  BakeOptions options;
+  options.size = 64;
+  options.maps = {false, false, false, true};
+  options.quiet = true;
+  ASSERT_TRUE(bake(tile, "weave", folder.path(), options).ok());
+  const auto surface = *BakedOutput::open(folder.path())->surface();
+  const auto filtered = [&](glm::dvec2 p) {
+    const glm::dvec2 at = p * 64.0 - 0.5, base = glm::floor(at), f = at - base;
+    const auto texel = [&](int i, int j) { return glm::dvec3(surface.normal[size_t((int(base.y) + j + 64) % 64 * 64 + (int(base.x) + i + 64) % 64)]); };
+    return glm::normalize(glm::mix(glm::mix(texel(0, 0), texel(1, 0), f.x), glm::mix(texel(0, 1), texel(1, 1), f.x), f.y));
+  };
+  // Mean error in degrees over the upper half of one row of the first yarn; 33 vertices to a row.
+  const auto error = [&](size_t row) {
+    double sum = 0;
+    for (size_t v = 33 * row + 8; v <= 33 * row + 24; ++v)
+      sum += glm::degrees(std::acos(std::min(1.0, glm::dot(filtered(tile.params[v]), tile.normals[v])))) / 17;
+    return sum;
+  };
+  double inside = 0;
+  for (size_t row = 8; row < 88; ++row) inside += error(row) / 80;
+  EXPECT_LT(error(0), 1.3 * inside);
+  EXPECT_LT(error(96), 1.3 * inside);
+}
+
 TEST(Weave, BakesIntoAGeometryImageWhosePatchesKeepToOneChart) {
   const Tile tile = *builtinTile("weave", 96);
   const TemporaryFolder folder;

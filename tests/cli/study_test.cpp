@@ -23,6 +23,7 @@ TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
       {"lod-fit", {"tile", "size", "mode", "preset", "components", "storage", "coefficient_bytes", "file_bytes", "gpu_bytes",
                    "rmse_y", "mse_y", "mae_y", "rmse_cb", "mse_cb", "mae_cb", "rmse_cr", "mse_cr", "mae_cr", "directions"}},
       {"minification", {"tile", "mode", "lambda", "rmse_y", "psnr_db"}},
+      {"shadow-split", {"tile", "kind", "components", "coefficient_bytes", "rmse_y"}},
   };
   for (const auto& [study, keys] : all) {
     SCOPED_TRACE(study);

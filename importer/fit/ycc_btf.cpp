@@ -1,6 +1,9 @@
 #include "importer/fit/ycc_btf.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -18,6 +21,8 @@ YccBtf::YccBtf(int side, int lights, int views) : side_(side), lights_(lights), 
   else
     halves_.resize(values);
 }
+
+float YccBtf::largest() const { return halves_.empty() ? std::numeric_limits<float>::max() : 65504.0f; }
 
 size_t YccBtf::offset(int channel, int view) const {
   return (size_t(channel) * size_t(views_) + size_t(view)) * size_t(lights_) * size_t(texels());
@@ -53,21 +58,24 @@ NonFinite storeView(YccBtf& btf, int view, const std::vector<glm::vec3>& rgb) {
   for (auto& plane : planes) plane.resize(rgb.size());
   for (size_t i = 0; i < rgb.size(); ++i) {
     const glm::vec3& c = rgb[i];
-    if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) {
+    const glm::dvec3 ycc = yccFromRgb(glm::dvec3(c));
+    // Not finite, or beyond the storage.
+    if (!(std::max({std::abs(ycc.x), std::abs(ycc.y), std::abs(ycc.z)}) <= double(btf.largest()))) {
       if (bad.count++ == 0) bad.first = i;
       continue;
     }
-    const glm::dvec3 ycc = yccFromRgb(glm::dvec3(c));
     for (int k = 0; k < 3; ++k) planes[k][i] = static_cast<float>(ycc[k]);
   }
   for (int k = 0; k < 3; ++k) btf.store(k, view, planes[k]);
   return bad;
 }
 
-Issue nonFiniteIssue(const BtfSource& source, int view, const NonFinite& bad) {
+Issue nonFiniteIssue(const BtfSource& source, const YccBtf& btf, int view, const NonFinite& bad) {
+  char largest[32];
+  std::snprintf(largest, sizeof largest, "%g", double(btf.largest()));
   const size_t side = size_t(source.size().x), texels = side * side, texel = bad.first % texels;
   return {issue_id::kNonFinite, Severity::kError, source.name(),
-          std::to_string(bad.count) + " values are not finite in view " + std::to_string(view) + ", the first at light " +
+          std::to_string(bad.count) + " values are not finite, or above " + largest + ", in view " + std::to_string(view) + ", the first at light " +
               std::to_string(bad.first / texels) + ", texel (" + std::to_string(texel % side) + ", " +
               std::to_string(texel / side) + "); repair the input and cook again"};
 }
@@ -90,7 +98,7 @@ Result<YccBtf> loadYcc(const BtfSource& source, int threads) {
     }
     LODEN_CHECK_EQ(rgb->size(), size_t(btf.lights()) * size_t(btf.texels()));
     const NonFinite bad = storeView(btf, v, *rgb);
-    if (bad.count) issues[size_t(v)] = nonFiniteIssue(source, v, bad);
+    if (bad.count) issues[size_t(v)] = nonFiniteIssue(source, btf, v, bad);
   });
   for (auto& issue : issues)
     if (issue) return *issue;

@@ -20,8 +20,10 @@ class YccBtf {
   int texels() const { return side_ * side_; }
   int lights() const { return lights_; }
   int views() const { return views_; }
+  // Magnitude that the storage can hold.
+  float largest() const;
 
-  // values: [light][texel]; channel 0 Y, 1 Cb, 2 Cr.
+  // values: [light][texel]; channel 0 Y, 1 Cb, 2 Cr; magnitudes up to largest().
   void store(int channel, int view, std::span<const float> values);
   // texels x lights.
   void read(int channel, int view, Matrix& into) const;
@@ -35,7 +37,7 @@ class YccBtf {
   std::vector<uint16_t> halves_;
 };
 
-// Reads all views. A value that is not finite is an error with count and first place.
+// Reads all views. A value that is not finite, or that the storage cannot hold, is an error with count and first place.
 Result<YccBtf> loadYcc(const BtfSource& source, int threads);
 
 // Mean over the texels of each image: (views * lights) x 3, row = view * lights + light.

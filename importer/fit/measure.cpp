@@ -83,7 +83,7 @@ ViewError errorOfView(const YccBtf& btf, int view, const MatrixXd (&value)[3]) {
 
 }  // namespace
 
-double ChannelError::rmse() const { return std::sqrt(mse); }
+double FitError::rmse() const { return std::sqrt(mse); }
 
 BtfError measureError(const Material& material, const YccBtf& btf, const DirectionSet& lights,
                       const DirectionSet& views, const Indirection& a, int threads) {

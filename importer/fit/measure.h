@@ -10,13 +10,13 @@
 
 namespace loden::importer {
 
-struct ChannelError {
+struct FitError {
   double mse = 0, mae = 0;
   double rmse() const;
 };
 
 struct BtfError {
-  ChannelError channel[3];  // Y, Cb, Cr over all texels and pairs
+  FitError channel[3];  // Y, Cb, Cr over all texels and pairs
   // Per image: the smallest and largest mean square error.
   double min_image_mse[3] = {0, 0, 0}, max_image_mse[3] = {0, 0, 0};
 };

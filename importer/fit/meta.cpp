@@ -65,7 +65,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
   if (error) {
     const char* names[3] = {"y", "cb", "cr"};
     for (int c = 0; c < 3; ++c) {
-      const ChannelError& e = error->channel[c];
+      const FitError& e = error->channel[c];
       meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
     }
   }

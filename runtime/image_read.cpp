@@ -1,5 +1,6 @@
 #include "runtime/image_read.h"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -32,6 +33,13 @@ Issue issueOf(int id, const std::filesystem::path& path, const std::string& text
   return {id, Severity::kError, path.string(), text};
 }
 
+// Fewer bytes than this no picture of the extents has, flat or run-length encoded: a short file cannot ask for
+// gigabytes.
+uint64_t leastBytes(int width, int height) {
+  const uint64_t w = static_cast<uint64_t>(width);
+  return static_cast<uint64_t>(height) * std::min(4 * w, 4 + 8 * ((w + 126) / 127));
+}
+
 }  // namespace
 
 Result<Panorama> readPanorama(const std::filesystem::path& path) {
@@ -46,6 +54,7 @@ Result<Panorama> readPanorama(const std::filesystem::path& path) {
   if (!stbi_info_from_memory(data, size, &width, &height, &channels))
     return issueOf(issue_id::kOption, path, "is no Radiance picture (.hdr)");
   if (width > kMaxWidth || height > kMaxHeight) return issueOf(issue_id::kLimit, path, "larger than 16384 x 8192 pixels");
+  if (bytes.size() < leastBytes(width, height)) return issueOf(issue_id::kOption, path, "is damaged: it ends early");
   const std::unique_ptr<float, void (*)(void*)> pixels(stbi_loadf_from_memory(data, size, &width, &height, &channels, 3),
                                                        stbi_image_free);
   if (!pixels) return issueOf(issue_id::kOption, path, std::string("is damaged: ") + stbi_failure_reason());

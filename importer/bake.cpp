@@ -13,6 +13,7 @@
 #include "importer/charts.h"
 #include "importer/parameterize.h"
 #include "importer/progress.h"
+#include "importer/surface_samples.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -99,14 +100,14 @@ class BakeItems {
  private:
   void addView(int view);
   void addSurface();
-  const FlatBaker& flat() {  // made when the first view needs it
-    if (!flat_) flat_.emplace(scene_);
-    return *flat_;
+  const SurfaceSamples& surface() {  // made when the first view needs it
+    if (!surface_) surface_.emplace(scene_);
+    return *surface_;
   }
 
   const BakeScene& scene_;
   const fs::path folder_;
-  std::optional<FlatBaker> flat_;
+  std::optional<SurfaceSamples> surface_;
   std::vector<Item> items_;
 };
 
@@ -117,9 +118,9 @@ void BakeItems::addView(int view) {
   if (m.has_flat) item.files.push_back(flatPath(folder_, view)), item.files.push_back(visiblePath(folder_, view));
   item.make = [this, view, &m]() -> Status {
     if (m.has_btf)
-      if (Status status = write(btfPath(folder_, view), bakeBtfView(scene_, view), PixelType::kHalf); !status) return status;
+      if (Status status = write(btfPath(folder_, view), bakeBtfView(scene_, surface(), view), PixelType::kHalf); !status) return status;
     if (!m.has_flat) return {};
-    const FlatBaker::View result = flat().bakeView(view);
+    const FlatView result = bakeFlatView(scene_, surface(), view);
     if (Status status = write(flatPath(folder_, view), result.atlas, PixelType::kHalf); !status) return status;
     return writeImage(visiblePath(folder_, view), m.flat_size, m.flat_size, 1, PixelType::kByte, result.visible);
   };

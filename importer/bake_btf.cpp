@@ -3,54 +3,72 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "importer/bake_scene.h"
-#include "importer/local_brdf.h"
+#include "importer/light_sum.h"
 #include "importer/random.h"
+#include "importer/surface_samples.h"
 
 namespace loden::importer {
 namespace {
 
-constexpr int kBlockSamples = 8;  // samples per side of the texel blocks that are traced together
+constexpr int kBlockSamples = 32;  // samples per side of the texel blocks that are traced together
 
 // The first hits of one block of texels, and the light that leaves them.
 class BtfBlock {
  public:
-  BtfBlock(const BakeScene& scene, const LightTable& lights, const glm::dvec3& wo) : scene_(scene), lights_(lights), wo_(wo) {}
+  BtfBlock(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights, const glm::dvec3& wo)
+      : scene_(scene), surface_(surface), lights_(lights), wo_(wo), unknown_(lights.size()) {}
 
   void trace(glm::ivec2 first, glm::ivec2 last);
-  void shade(Image& atlas, const AtlasLayout& layout);
+  void traceUnknownLights();
+  void shade(Image& atlas, const AtlasLayout& layout) const;
 
  private:
   struct Sample {
     glm::ivec2 texel;
-    glm::vec3 normal, diffuse, f0;
+    glm::vec3 normal;
+    LocalBrdf brdf;
   };
   void add(glm::ivec2 texel, const TileHit& hit, uint64_t seed);
-  void traceShadows();
+  void findLights(const TileHit& hit, size_t sample);
 
   const BakeScene& scene_;
+  const SurfaceSamples& surface_;
   const LightTable& lights_;
   const glm::dvec3 wo_;
-  std::vector<Sample> samples_;          // texel by texel
-  std::vector<glm::vec3> origins_;       // [sample]
-  std::vector<float> cosines_, lobes_;   // [sample][light]
-  std::vector<float> tinted_;            // [sample][light], empty without GGX lobes
-  std::vector<float> lit_;               // [sample][light], 0 or 1
-  std::vector<glm::vec3> indirect_;      // [sample][light], empty without bounces
+  std::vector<Sample> samples_;       // texel by texel
+  std::vector<glm::vec3> origins_;    // [sample]
+  std::vector<uint64_t> lit_;         // [sample][word]: lights that reach the sample
+  std::vector<uint64_t> known_;       // [word], of one sample
+  std::vector<std::vector<uint32_t>> unknown_;  // [light]: samples that face it, but may lie in a shadow
+  std::vector<glm::vec3> indirect_;   // [sample][light], empty without bounces
 };
 
 void BtfBlock::add(glm::ivec2 texel, const TileHit& hit, uint64_t seed) {
-  const size_t row = samples_.size() * lights_.size();
-  samples_.push_back({texel, glm::vec3(hit.normal), hit.brdf.diffuse, hit.brdf.f0});
+  const size_t sample = samples_.size();
+  samples_.push_back({texel, glm::vec3(hit.normal), hit.brdf});
   origins_.emplace_back(hit.ray_origin);
-  cosines_.resize(row + lights_.size());
-  lobes_.resize(row + lights_.size());
-  if (hit.brdf.alpha > 0 || !tinted_.empty()) tinted_.resize(row + lights_.size());
-  lobesOfAllLights(lights_, glm::vec3(hit.normal), glm::vec3(wo_), hit.brdf, &cosines_[row], &lobes_[row], tinted_.empty() ? nullptr : &tinted_[row]);
+  findLights(hit, sample);
   if (scene_.manifest.bounces == 0) return;
-  indirect_.resize(row + lights_.size());
-  addIndirect(scene_, hit, wo_, seed, &indirect_[row]);
+  indirect_.resize((sample + 1) * lights_.size());
+  addIndirect(scene_, hit, wo_, seed, &indirect_[sample * lights_.size()]);
+}
+
+// What the samples around the hit do not agree on is left to rays.
+void BtfBlock::findLights(const TileHit& hit, size_t sample) {
+  const size_t words = surface_.words();
+  lit_.resize((sample + 1) * words);
+  known_.resize(words);
+  surface_.lightsAt(hit, known_.data(), &lit_[sample * words]);
+  const glm::vec3& n = samples_[sample].normal;
+  for (size_t w = 0; w < words; ++w)
+    for (uint64_t left = ~known_[w]; left != 0; left &= left - 1) {
+      const size_t l = 64 * w + size_t(std::countr_zero(left));
+      if (l >= lights_.size()) break;
+      if (n.x * lights_.x[l] + n.y * lights_.y[l] + n.z * lights_.z[l] > 0) unknown_[l].push_back(uint32_t(sample));
+    }
 }
 
 void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
@@ -70,51 +88,42 @@ void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
   scene_.counters.misses += misses;
 }
 
-void BtfBlock::traceShadows() {
-  const size_t count = samples_.size(), lights = lights_.size();
-  lit_.resize(count * lights);
-  std::vector<uint8_t> wanted(count), blocked(count);
+void BtfBlock::traceUnknownLights() {
+  std::vector<glm::vec3> origins;
+  std::vector<uint8_t> wanted, blocked;
   uint64_t rays = 0;
-  for (size_t l = 0; l < lights; ++l) {
-    const glm::vec3 wi(lights_.x[l], lights_.y[l], lights_.z[l]);
-    for (size_t s = 0; s < count; ++s) rays += wanted[s] = glm::dot(samples_[s].normal, wi) > 0;
-    scene_.tracer.occluded(origins_, wanted, wi, blocked);
-    for (size_t s = 0; s < count; ++s) lit_[s * lights + l] = blocked[s] ? 0.0f : 1.0f;
+  for (size_t l = 0; l < lights_.size(); ++l) {
+    origins.clear();
+    for (const uint32_t s : unknown_[l]) origins.push_back(origins_[s]);
+    wanted.assign(origins.size(), 1);
+    blocked.resize(origins.size());
+    scene_.tracer.occluded(origins, wanted, {lights_.x[l], lights_.y[l], lights_.z[l]}, blocked);
+    for (size_t k = 0; k < origins.size(); ++k)
+      lit_[unknown_[l][k] * surface_.words() + l / 64] |= uint64_t(!blocked[k]) << (l % 64);
+    rays += origins.size();
   }
   scene_.counters.rays += rays;
 }
 
-void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) {
-  traceShadows();
+void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) const {
   const size_t lights = lights_.size();
   const float share = 1.0f / float(scene_.manifest.supersample * scene_.manifest.supersample);
-  std::vector<float> sum(3 * lights);  // [channel][light] of one texel
+  LightSum sum(lights_);
   for (size_t first = 0, last = 0; first < samples_.size(); first = last) {
-    std::fill(sum.begin(), sum.end(), 0.0f);
+    sum.clear();
     for (; last < samples_.size() && samples_[last].texel == samples_[first].texel; ++last) {
-      const float *cosine = &cosines_[last * lights], *lobe = &lobes_[last * lights], *lit = &lit_[last * lights];
-      for (int c = 0; c < 3; ++c) {
-        float* const channel = &sum[size_t(c) * lights];
-        const float diffuse = samples_[last].diffuse[c];
-        for (size_t l = 0; l < lights; ++l) channel[l] += lit[l] * (diffuse * cosine[l] + lobe[l]);
-        if (last * lights >= tinted_.size()) continue;
-        for (size_t l = 0; l < lights; ++l) channel[l] += lit[l] * samples_[last].f0[c] * tinted_[last * lights + l];
-      }
-      if (indirect_.empty()) continue;
-      for (size_t l = 0; l < lights; ++l)
-        for (int c = 0; c < 3; ++c) sum[size_t(c) * lights + l] += indirect_[last * lights + l][c];
+      sum.add(samples_[last].normal, glm::vec3(wo_), samples_[last].brdf, &lit_[last * surface_.words()]);
+      if (!indirect_.empty()) sum.add({&indirect_[last * lights], lights});
     }
     const glm::ivec2 texel = samples_[first].texel;
-    for (size_t l = 0; l < lights; ++l) {
-      float* const pixel = &atlas.pixels[3 * layout.pixel(int(l), texel.x, texel.y)];
-      for (size_t c = 0; c < 3; ++c) pixel[c] = share * sum[c * lights + l];
-    }
+    for (size_t l = 0; l < lights; ++l)
+      for (int c = 0; c < 3; ++c) atlas.pixels[3 * layout.pixel(int(l), texel.x, texel.y) + size_t(c)] = share * sum[l][c];
   }
 }
 
 }  // namespace
 
-Image bakeBtfView(const BakeScene& scene, int view) {
+Image bakeBtfView(const BakeScene& scene, const SurfaceSamples& surface, int view) {
   const int size = scene.manifest.size, count = scene.manifest.directions.size();
   const AtlasLayout layout = AtlasLayout::forLights(size, count);
   Image atlas{layout.width(), layout.height(), 3, {}};
@@ -129,8 +138,9 @@ Image bakeBtfView(const BakeScene& scene, int view) {
     const FlushDenormals flush;
     for (int j = range.rows().begin(); j < range.rows().end(); ++j)
       for (int i = range.cols().begin(); i < range.cols().end(); ++i) {
-        BtfBlock block(scene, lights, wo);
+        BtfBlock block(scene, surface, lights, wo);
         block.trace(glm::ivec2(i, j) * edge, glm::min(glm::ivec2(i + 1, j + 1) * edge, glm::ivec2(size)));
+        block.traceUnknownLights();
         block.shade(atlas, layout);
       }
   });

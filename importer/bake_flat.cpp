@@ -4,110 +4,105 @@
 #include <algorithm>
 
 #include "importer/bake_scene.h"
-#include "importer/local_brdf.h"
+#include "importer/light_sum.h"
 #include "importer/random.h"
+#include "importer/surface_samples.h"
 
 namespace loden::importer {
+namespace {
 
-FlatBaker::FlatBaker(const BakeScene& scene) : scene_(scene), side_(scene.manifest.flat_size) {
-  const int per_side = scene.manifest.supersample;
-  per_texel_ = per_side * per_side;
-  std::vector<std::vector<ParamSample>> located;
-  for (int k = 0; k < per_texel_; ++k)
-    located.push_back(locateParams(scene.tracer.tile(), side_, samplePosition(k, per_side)));
-  owners_ = ownersOf(scene.tracer.tile(), side_, located);
-  const size_t texels = size_t(side_) * size_t(side_);
-  first_.assign(1, 0);
-  for (size_t t = 0; t < texels; ++t) {
-    for (int k = 0; k < per_texel_; ++k) {
-      const ParamSample& at = located[size_t(k)][t];
-      if (!at.covered()) continue;
-      const TileHit hit = scene.tracer.pointOn(at.triangle, glm::dvec2(at.b));
-      samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b});
-    }
-    first_.push_back(static_cast<uint32_t>(samples_.size()));
+// One row of flat texels under one view.
+class FlatRow {
+ public:
+  FlatRow(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights, const glm::dvec3& wo, int row)
+      : scene_(scene), surface_(surface), lights_(lights), wo_(wo), row_(row) {}
+
+  void bake(FlatView& view);
+
+ private:
+  size_t texel(int i) const { return size_t(row_) * size_t(surface_.side()) + size_t(i); }
+  void traceView();
+  int addTexel(size_t texel, LightSum& sum) const;  // the number of samples that the view sees
+
+  const BakeScene& scene_;
+  const SurfaceSamples& surface_;
+  const LightTable& lights_;
+  const glm::dvec3 wo_;
+  const int row_;
+  std::vector<uint8_t> hidden_;  // [sample of the row], from the first one
+};
+
+// Which samples the view sees: those that face it, and that no other part of the tile hides.
+void FlatRow::traceView() {
+  const size_t first = surface_.first(texel(0)), end = surface_.end(texel(surface_.side() - 1));
+  std::vector<glm::vec3> origins;
+  std::vector<uint8_t> facing;
+  uint64_t rays = 0;
+  for (size_t s = first; s < end; ++s) {
+    origins.push_back(surface_[s].origin);
+    facing.push_back(glm::dot(surface_[s].geometric_normal, glm::vec3(wo_)) > 0);
+    rays += facing.back();
   }
-  traceShadows();
+  hidden_.resize(end - first);
+  scene_.tracer.occluded(origins, facing, glm::vec3(wo_), hidden_);
+  scene_.counters.rays += rays;
 }
 
-void FlatBaker::traceShadows() {
-  constexpr size_t kBlock = 256;  // samples
-  const auto& directions = scene_.directions();
-  words_ = (directions.size() + 63) / 64;
-  light_bits_.assign(samples_.size() * words_, 0);
-  const size_t blocks = (samples_.size() + kBlock - 1) / kBlock;
-  tbb::parallel_for(size_t(0), blocks, [&](size_t block) {
-    const FlushDenormals flush;
-    const size_t first = block * kBlock, count = std::min(samples_.size() - first, kBlock);
-    std::vector<glm::vec3> origins(count);
-    std::vector<uint8_t> wanted(count), blocked(count);
-    for (size_t s = 0; s < count; ++s) origins[s] = samples_[first + s].origin;
-    uint64_t rays = 0;
-    for (size_t l = 0; l < directions.size(); ++l) {
-      const glm::vec3 wi(directions[l]);
-      for (size_t s = 0; s < count; ++s) rays += wanted[s] = glm::dot(samples_[first + s].normal, wi) > 0;
-      scene_.tracer.occluded(origins, wanted, wi, blocked);
-      for (size_t s = 0; s < count; ++s) light_bits_[(first + s) * words_ + l / 64] |= uint64_t(!blocked[s]) << (l % 64);
-    }
-    scene_.counters.rays += rays;
-  });
+int FlatRow::addTexel(size_t texel, LightSum& sum) const {
+  const size_t row_begin = surface_.first(this->texel(0));
+  int seen = 0;
+  for (size_t s = surface_.first(texel); s < surface_.end(texel); ++s) {
+    if (hidden_[s - row_begin]) continue;
+    ++seen;
+    const SurfaceSample& sample = surface_[s];
+    sum.add(sample.normal, glm::vec3(wo_), sample.brdf, surface_.lit(s));
+    if (scene_.manifest.bounces == 0) continue;
+    std::vector<glm::vec3> indirect(lights_.size());
+    const TileHit hit = scene_.tracer.pointOn(sample.triangle, glm::dvec2(sample.b));
+    addIndirect(scene_, hit, wo_, mixSeed(~texel, s - surface_.first(texel)), indirect.data());
+    sum.add(indirect);
+  }
+  return seen;
 }
 
-FlatBaker::View FlatBaker::bakeView(int view) const {
-  const AtlasLayout layout = AtlasLayout::forLights(side_, scene_.manifest.directions.size());
-  View result{{layout.width(), layout.height(), 3, {}}, std::vector<float>(size_t(side_) * size_t(side_))};
+void FlatRow::bake(FlatView& view) {
+  const AtlasLayout layout = AtlasLayout::forLights(surface_.side(), scene_.manifest.directions.size());
+  traceView();
+  LightSum sum(lights_);
+  for (int i = 0; i < surface_.side(); ++i) {
+    sum.clear();
+    const int seen = addTexel(texel(i), sum);
+    if (seen == 0) continue;
+    view.visible[texel(i)] = float(seen) / float(surface_.end(texel(i)) - surface_.first(texel(i)));
+    for (size_t l = 0; l < lights_.size(); ++l)
+      for (int c = 0; c < 3; ++c) view.atlas.pixels[3 * layout.pixel(int(l), i, row_) + size_t(c)] = sum[l][c] / float(seen);
+  }
+}
+
+}  // namespace
+
+FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int view) {
+  const int side = surface.side();
+  const AtlasLayout layout = AtlasLayout::forLights(side, scene.manifest.directions.size());
+  FlatView result{{layout.width(), layout.height(), 3, {}}, std::vector<float>(size_t(side) * size_t(side))};
   result.atlas.pixels.resize(size_t(layout.width()) * size_t(layout.height()) * 3);
-  tbb::parallel_for(0, side_, [&](int row) {
+  const glm::dvec3 wo = scene.directions()[size_t(view)];
+  LightTable lights(scene.manifest.directions);
+  lights.setView(glm::vec3(wo));
+  tbb::parallel_for(0, side, [&](int row) {
     const FlushDenormals flush;
-    bakeRow(row, view, result.atlas, result.visible);
+    FlatRow(scene, surface, lights, wo, row).bake(result);
   });
-  const HoleFill fill(scene_.manifest.fill, side_, result.visible, owners_);
+  const HoleFill fill(scene.manifest.fill, side, result.visible, surface.owners());
   tbb::parallel_for(0, layout.cells, [&](int light) {
     const FlushDenormals flush;
-    std::vector<glm::vec3> texels(size_t(side_) * size_t(side_));
+    std::vector<glm::vec3> texels(size_t(side) * size_t(side));
     glm::vec3* const pixels = reinterpret_cast<glm::vec3*>(result.atlas.pixels.data());
-    for (int j = 0; j < side_; ++j) std::copy_n(pixels + layout.pixel(light, 0, j), side_, &texels[size_t(j) * size_t(side_)]);
+    for (int j = 0; j < side; ++j) std::copy_n(pixels + layout.pixel(light, 0, j), side, &texels[size_t(j) * size_t(side)]);
     fill.apply(texels);
-    for (int j = 0; j < side_; ++j) std::copy_n(&texels[size_t(j) * size_t(side_)], side_, pixels + layout.pixel(light, 0, j));
+    for (int j = 0; j < side; ++j) std::copy_n(&texels[size_t(j) * size_t(side)], side, pixels + layout.pixel(light, 0, j));
   });
   return result;
-}
-
-void FlatBaker::bakeRow(int row, int view, Image& atlas, std::vector<float>& visible) const {
-  const AtlasLayout layout = AtlasLayout::forLights(side_, scene_.manifest.directions.size());
-  const glm::dvec3 wo = scene_.directions()[size_t(view)];
-  LightTable lights(scene_.manifest.directions);
-  lights.setView(glm::vec3(wo));
-  const size_t count = lights.size();
-  std::vector<float> cosines(count), lobes(count), tinted(count);
-  std::vector<glm::vec3> sum(count);
-  uint64_t rays = 0;
-  for (int i = 0; i < side_; ++i) {
-    const size_t texel = size_t(row) * size_t(side_) + size_t(i);
-    std::fill(sum.begin(), sum.end(), glm::vec3(0));
-    int seen = 0;
-    for (size_t s = first_[texel]; s < first_[texel + 1]; ++s) {
-      const Sample& sample = samples_[s];
-      if (glm::dot(sample.geometric_normal, glm::vec3(wo)) <= 0) continue;
-      ++rays;
-      if (scene_.tracer.occluded(glm::dvec3(sample.origin), wo)) continue;
-      ++seen;
-      lobesOfAllLights(lights, sample.normal, glm::vec3(wo), sample.brdf, cosines.data(), lobes.data(), tinted.data());
-      for (size_t l = 0; l < count; ++l)
-        if (lit(s, int(l))) sum[l] += sample.brdf.diffuse * cosines[l] + lobes[l];
-      for (size_t l = 0; sample.brdf.alpha > 0 && l < count; ++l)
-        if (lit(s, int(l))) sum[l] += sample.brdf.f0 * tinted[l];
-      if (scene_.manifest.bounces > 0)
-        addIndirect(scene_, scene_.tracer.pointOn(sample.triangle, glm::dvec2(sample.b)), wo, mixSeed(~texel, s - first_[texel]), sum.data());
-    }
-    if (seen == 0) continue;
-    visible[texel] = float(seen) / float(first_[texel + 1] - first_[texel]);
-    for (size_t l = 0; l < count; ++l) {
-      float* pixel = &atlas.pixels[3 * layout.pixel(int(l), i, row)];
-      for (int c = 0; c < 3; ++c) pixel[c] = sum[l][c] / float(seen);
-    }
-  }
-  scene_.counters.rays += rays;
 }
 
 }  // namespace loden::importer

@@ -40,40 +40,17 @@ void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& w
 // located: samples of the map, as many sets as there are samples per texel.
 std::vector<uint16_t> ownersOf(const Tile& tile, int side, const std::vector<std::vector<ParamSample>>& located);
 
+class SurfaceSamples;
+
 // One view of the BTF, as the atlas image of all lights (3 channels).
-Image bakeBtfView(const BakeScene& scene, int view);
+Image bakeBtfView(const BakeScene& scene, const SurfaceSamples& surface, int view);
 
-// The Flat-BTF (FBTF 3.3): surface samples over p and their shadows are found once, for all views.
-class FlatBaker {
- public:
-  explicit FlatBaker(const BakeScene& scene);
-  struct View {
-    Image atlas;                 // 3 channels, holes filled
-    std::vector<float> visible;  // [flat texel], share of the texel's surface that the view sees
-  };
-  View bakeView(int view) const;
-
- private:
-  struct Sample {
-    glm::vec3 origin, normal, geometric_normal;
-    LocalBrdf brdf;
-    uint32_t triangle;
-    glm::vec2 b;
-  };
-  void traceShadows();
-  bool lit(size_t sample, int light) const {
-    return light_bits_[sample * words_ + size_t(light) / 64] >> (light % 64) & 1;
-  }
-  void bakeRow(int row, int view, Image& atlas, std::vector<float>& visible) const;
-
-  const BakeScene& scene_;
-  int side_ = 0, per_texel_ = 0;
-  std::vector<uint16_t> owners_;  // [flat texel], empty: one chart
-  std::vector<uint32_t> first_;  // [flat texel + 1]: samples of each texel
-  std::vector<Sample> samples_;
-  size_t words_ = 0;
-  std::vector<uint64_t> light_bits_;  // [sample][word]: lights that reach the sample
+// One view of the Flat-BTF (FBTF 3.3).
+struct FlatView {
+  Image atlas;                 // 3 channels, holes filled
+  std::vector<float> visible;  // [flat texel], share of the texel's surface that the view sees
 };
+FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int view);
 
 // p - x at the texel centres for every view of a latlong map (FBTF 3.4), as the image of baked_output.h.
 Image bakeVdim(const BakeScene& scene, glm::ivec2 zeniths_azimuths);

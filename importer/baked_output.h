@@ -29,7 +29,7 @@
 namespace loden::importer {
 
 // Raised when the same tile and options bake to other pixels than before.
-inline constexpr int kBakeRevision = 1;
+inline constexpr int kBakeRevision = 2;
 
 struct BakeManifest {
   int revision = kBakeRevision;

@@ -4,7 +4,8 @@
 #include <map>
 
 #include "importer/bake.h"
-#include "importer/local_brdf.h"
+#include "importer/bake_scene.h"
+#include "importer/light_sum.h"
 #include "importer/mesh_material.h"
 #include "importer/push_pull.h"
 #include "importer/random.h"
@@ -84,6 +85,46 @@ TEST(Bake, FlatBtfAtItsVdimIsTheBtf) {
   double difference = 0;
   for (size_t k = 0; k < btf.size(); ++k) difference = std::max(difference, double(glm::length(btf[k] - flat[k])));
   EXPECT_LT(difference, 0.02);
+}
+
+// The BTF without any sharing: a shadow ray for every sample, view and light.
+std::vector<glm::vec3> btfByRays(const Tile& tile, const BakeManifest& m, int view) {
+  const TileTracer tracer(tile);
+  const auto& directions = m.directions.samples;
+  const size_t texels = size_t(m.size) * size_t(m.size);
+  const int per_texel = m.supersample * m.supersample;
+  std::vector<glm::vec3> values(directions.size() * texels);
+  for (size_t t = 0; t < texels; ++t)
+    for (int k = 0; k < per_texel; ++k) {
+      const glm::dvec2 texel(double(t % size_t(m.size)), double(t / size_t(m.size)));
+      const auto hit = tracer.intersectView((texel + samplePosition(k, m.supersample)) / double(m.size), directions[size_t(view)]);
+      if (!hit) continue;
+      for (size_t l = 0; l < directions.size(); ++l)
+        values[l * texels + t] += glm::vec3(shadeHit(tracer, *hit, directions[l], directions[size_t(view)], 0, 0)) / float(per_texel);
+    }
+  return values;
+}
+
+TEST(Bake, SharedShadowsAreThoseOfEveryRay) {
+  BakeOptions options = smallBake(16);
+  options.supersample = 4;
+  options.maps = {.btf = true, .flat = false, .vdim = false, .surface = false};
+  const TemporaryFolder folder;
+  const Tile tile = *loadTile("builtin:button");
+  const BakedOutput output = baked(tile, folder.path(), options);
+  double square = 0;
+  size_t count = 0, off = 0;
+  for (const int view : {0, 4, 7}) {
+    const auto shared = *output.btfView(view), exact = btfByRays(tile, output.manifest(), view);
+    for (size_t k = 0; k < exact.size(); ++k, ++count) {
+      const double difference = glm::length(shared[k] - exact[k]);
+      square += difference * difference;
+      off += difference > 2e-3;  // half floats near 1 are 5e-4 apart
+    }
+  }
+  // Samples are 1/64 tile apart here, and a shadow narrower than that may fall between them.
+  EXPECT_LT(double(off) / double(count), 0.02);
+  EXPECT_LT(std::sqrt(square / double(count)), 0.004);
 }
 
 TEST(Bake, SameBytesAtAnyNumberOfThreads) {
@@ -261,19 +302,20 @@ TEST(ShadeHit, WhiteFurnaceReturnsAllLightWithEnoughBounces) {
   EXPECT_NEAR(all, 1, 0.02);  // standard error of 20,000 paths is .006
 }
 
-TEST(LocalBrdf, AllLightsAtOnceAgreeWithOneByOne) {
+TEST(LightSum, AllLightsAtOnceAgreeWithOneByOne) {
   const DirectionSet set = bonn81Directions();
   LightTable lights(set);
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.2, 0.9));
-  std::vector<float> cosine(lights.size()), lobe(lights.size()), tinted(lights.size());
+  const uint64_t lit[2] = {0xF0A5FF0012345678ull, 0x1F0FF};  // whole groups, empty groups, single lights
   for (const LocalBrdf& brdf : {LocalBrdf{glm::vec3(0.1f, 0.5f, 0.2f), 0.7f, 45}, brdfFromMetallicRoughness({0.9f, 0.6f, 0.1f}, 0.4f, 0.5f)})
     for (const glm::dvec3& wo : set.samples) {
       lights.setView(glm::vec3(wo));
-      lobesOfAllLights(lights, glm::vec3(normal), glm::vec3(wo), brdf, cosine.data(), lobe.data(), tinted.data());
+      LightSum sum(lights);
+      for (int twice = 0; twice < 2; ++twice) sum.add(glm::vec3(normal), glm::vec3(wo), brdf, lit);
       for (size_t l = 0; l < lights.size(); ++l) {
-        const glm::dvec3 expected = reflectance(brdf, normal, set.samples[l], wo) * std::max(0.0, glm::dot(normal, set.samples[l]));
-        const glm::dvec3 value(brdf.diffuse * cosine[l] + lobe[l] + brdf.f0 * (brdf.alpha > 0 ? tinted[l] : 0.0f));
-        EXPECT_LT(glm::length(value - expected), 5e-5 + 1e-4 * glm::length(expected));  // float against double
+        const double cosine = lit[l / 64] >> (l % 64) & 1 ? std::max(0.0, glm::dot(normal, set.samples[l])) : 0;
+        const glm::dvec3 expected = 2 * cosine * reflectance(brdf, normal, set.samples[l], wo);
+        EXPECT_LT(glm::length(glm::dvec3(sum[l]) - expected), 1e-4 + 1e-4 * glm::length(expected));  // float against double
       }
     }
 }

@@ -214,7 +214,7 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
     const T fade = parallax == Parallax::kFaded ? parallaxFade(*material_, hit.lambda, wo) : T(1);
     if (!(fade > 0)) return hit;
     const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
-    const VdimHit<T> found = vdimLookup(material_->geometry, atlas_, tier, x, wo);
+    const VdimHit<T> found = vdimLookup(atlas_, tier, x, wo);
     hit.p = glm::mix(x, found.p, fade);
     hit.depth = found.position.z * fade;
     hit.fetches = found.fetches;

@@ -15,7 +15,8 @@ namespace loden {
 struct GeometryImage {
   // side x side x 1, RGBA16 unorm; texel (i, j) stands for p = ((i + .5), (j + .5)) / side.
   // rgb = (P.xy - p, P.z) as (code - .5) * range.xy for xy and (code - 1) * range.z for z;
-  // a = chart / 65535, 0 where no surface is: there rgb only leads searches back to a chart. The GPU binds the same bytes as RG32UI (two channels a gather). Patches exist only where all four corners share a chart.
+  // a = chart / 65535, 0 where no surface is: there rgb only leads searches back to a chart. Patches exist only where
+  // all four corners share a chart.
   Texture texels;
   glm::vec3 range{1, 1, 1};  // tile periods; range.z = -z_min
   // True if P.xy == p everywhere: the tile is a height field parameterized by its own x and y.

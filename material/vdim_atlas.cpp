@@ -32,7 +32,7 @@ void parallelFor(int count, int threads, const Body& body) {
   work();
 }
 
-void traceLayer(const GeometryTracer& tracer, const VdimAtlasSize& size, float z_min, int layer, Texture& depth) {
+void traceLayer(const GeometryTracer& tracer, const VdimAtlasSize& size, double z_min, int layer, Texture& depth) {
   const glm::dvec2 square((layer % size.directions + 0.5) / size.directions,
                           (layer / size.directions + 0.5) / size.directions);
   const glm::dvec3 wo = vdimViewFromSquare(square);
@@ -91,10 +91,11 @@ Texture buildVolume(const GeometryImage& image, int threads) {
 }  // namespace
 
 uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
-  const uint64_t texels = uint64_t(size.texels) * uint64_t(size.texels);
-  const uint64_t depth = textureBytes(TexelFormat::kR8Unorm, texels, 1, uint64_t(size.directions) * uint64_t(size.directions), 1);
-  if (image.identity_parameterization) return depth;
-  return depth + textureBytes(TexelFormat::kRG16Snorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
+  const auto square = [](int side) { return uint64_t(side) * uint64_t(side); };
+  const uint64_t depth = textureBytes(TexelFormat::kR8Unorm, square(size.texels), 1, square(size.directions), 1);
+  const uint64_t maps = depth + textureBytes(TexelFormat::kRGBA8Unorm, square(image.side()), 1, 1, 1);
+  if (image.identity_parameterization) return maps;
+  return maps + textureBytes(TexelFormat::kRG16Snorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
 }
 
 template <class T>
@@ -123,11 +124,11 @@ VdimAtlas buildVdimAtlas(const GeometryImage& image, const GeometryTracer& trace
   LODEN_CHECK_LT(0, size.directions);
   VdimAtlas atlas;
   atlas.size = size;
-  atlas.z_min = static_cast<float>(std::min(image.zMin(), -1e-9));
+  atlas.geometry = packGeometry(image);
   const int layers = size.directions * size.directions;
   atlas.depth = Texture::make(TexelFormat::kR8Unorm, TextureShape::kArray2D, size.texels, size.texels, layers);
   parallelFor(layers, threads,
-              [&](int layer) { traceLayer(tracer, atlas.size, atlas.z_min, layer, atlas.depth); });
+              [&](int layer) { traceLayer(tracer, atlas.size, -atlas.geometry.range.z, layer, atlas.depth); });
   if (!image.identity_parameterization) atlas.volume = buildVolume(image, threads);
   return atlas;
 }

@@ -11,19 +11,21 @@ namespace {
 
 constexpr int kNewtonSteps = 4;     // inside one patch; they cost no fetch
 constexpr float kReach = 3;         // texels that a search may move by in one patch
-constexpr float kInside = 0.4f;     // texels beyond a patch at which its extension still counts as the surface
+constexpr float kInside = 0.2f;     // texels beyond a patch at which its extension still counts as the surface
 constexpr float kResidual = 0.2f;   // texels between ray and surface at which a search has converged
+constexpr int kPatches = 5;         // that one search visits at most
 // Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
 constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
 constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
+constexpr float kNone = -1e8f;                // below every depth
 
 struct TierLimits {
+  int layers;
   int candidates;
-  int patches;  // per candidate
 };
-TierLimits tierLimits(VdimTier tier, bool identity) {
-  if (tier == VdimTier::kFast) return {1, identity ? 4 : 2};
-  return {8, 4};
+TierLimits tierLimits(VdimTier tier) {
+  if (tier == VdimTier::kFast) return {1, 5};
+  return {3, 16};
 }
 
 template <class T>
@@ -40,27 +42,28 @@ ViewRay<T> viewRay(glm::vec<2, T> x, const glm::vec<3, T>& wo) {
   return {x - glm::floor(x), glm::vec<2, T>(wo.x, wo.y) * (scale / cosine)};
 }
 
-// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border,
-// with the second one's weight in a linear blend.
+// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
+// across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
 template <class T>
 struct NearestLayers {
-  int own = 0, next = 0;
-  T next_weight = 0;
+  int index[3] = {0, 0, 0};
+  T weight[3] = {1, 0, 0};
 };
 template <class T>
 NearestLayers<T> nearestLayers(int directions, glm::vec<2, T> square) {
-  const glm::vec<2, T> grid = square * T(directions);
-  const glm::vec<2, T> limit(T(directions) - 1);
-  const glm::vec<2, T> cell = glm::clamp(glm::floor(grid), glm::vec<2, T>(0), limit);
-  const glm::vec<2, T> off = grid - cell - T(0.5);
-  glm::vec<2, T> second = cell;
-  if (std::abs(off.x) > std::abs(off.y))
-    second.x = std::clamp(cell.x + (off.x > 0 ? T(1) : T(-1)), T(0), limit.x);
-  else
-    second.y = std::clamp(cell.y + (off.y > 0 ? T(1) : T(-1)), T(0), limit.y);
-  return {static_cast<int>(cell.y) * directions + static_cast<int>(cell.x),
-          static_cast<int>(second.y) * directions + static_cast<int>(second.x),
-          std::min(std::max(std::abs(off.x), std::abs(off.y)), T(0.5))};
+  using V2 = glm::vec<2, T>;
+  const V2 grid = square * T(directions), limit(T(directions) - 1);
+  const V2 cell = glm::clamp(glm::floor(grid), V2(0), limit);
+  const V2 off = grid - cell - T(0.5);
+  const V2 beside = glm::clamp(cell + V2(off.x > 0 ? 1 : -1, off.y > 0 ? 1 : -1), V2(0), limit);
+  const bool x_first = std::abs(off.x) > std::abs(off.y);
+  const V2 first = x_first ? V2(beside.x, cell.y) : V2(cell.x, beside.y);
+  const V2 second = x_first ? V2(cell.x, beside.y) : V2(beside.x, cell.y);
+  const T a = std::min(std::max(std::abs(off.x), std::abs(off.y)), T(0.5));
+  const T b = std::min(std::min(std::abs(off.x), std::abs(off.y)), T(0.5));
+  const auto layer = [&](V2 at) { return static_cast<int>(at.y) * directions + static_cast<int>(at.x); };
+  const T shared = T(0.5) * a * b;
+  return {{layer(cell), layer(first), layer(second)}, {(1 - a) * (1 - b), a - shared, b - shared}};
 }
 
 // z of the four entries around x in one layer: texels (0,0), (1,0), (0,1), (1,1) from the lower left one.
@@ -71,7 +74,7 @@ glm::vec<4, T> gatherDepths(const VdimAtlas& atlas, int layer, glm::vec<2, T> x)
   const auto* codes = reinterpret_cast<const uint8_t*>(atlas.depth.data.data()) + static_cast<size_t>(layer) * n * n;
   const auto z = [&](int ci, int cj) {
     const T code = T(codes[((cj + n) % n) * n + (ci + n) % n]) / T(255);
-    return (T(1) - code) * T(atlas.z_min);
+    return (code - T(1)) * T(atlas.geometry.range.z);
   };
   return {z(i, j), z(i + 1, j), z(i, j + 1), z(i + 1, j + 1)};
 }
@@ -82,17 +85,21 @@ glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) 
   if (atlas.volume.empty()) return point;
   const Texture& v = atlas.volume;
   const glm::vec<2, T> wrapped = point - glm::floor(point);
-  const T slice = std::clamp(z / T(atlas.z_min) * T(v.depth), T(0), T(v.depth) - T(0.5));
+  const T slice = std::clamp(z / -T(atlas.geometry.range.z) * T(v.depth), T(0), T(v.depth) - T(0.5));
   const glm::vec4 d = fetchTexel(v, 0, std::min(static_cast<int>(wrapped.x * T(v.width)), v.width - 1),
                                  std::min(static_cast<int>(wrapped.y * T(v.height)), v.height - 1),
                                  static_cast<int>(slice));
   return point + glm::vec<2, T>(T(d.x), T(d.y)) * T(0.5);
 }
 
+// What a patch says about the ray.
+enum class Meeting { kAway, kNear, kHere };
+
 // Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
-// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo.
+// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo: a ray that turned to the back of
+// the surface is away from what the viewer sees.
 template <class T>
-bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& z) {
+Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& z) {
   using V2 = glm::vec<2, T>;
   const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - ray.slope * p.z - ray.x; };
   const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
@@ -108,96 +115,106 @@ bool meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ra
     ab = glm::clamp(ab, lower, upper);
   }
   z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
+  if (patch.chart == 0) return Meeting::kNear;
+  if (!(det > 0)) return Meeting::kAway;
   const V2 centred = glm::abs(ab - T(0.5));
   const V2 residual = glm::abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
-  return det > 0 && std::max(centred.x, centred.y) <= T(0.5) + T(kInside) &&
-         std::max(residual.x, residual.y) * side <= T(kResidual);
+  const bool here = std::max(centred.x, centred.y) <= T(0.5) + T(kInside) &&
+                    std::max(residual.x, residual.y) * side <= T(kResidual);
+  return here ? Meeting::kHere : Meeting::kNear;
 }
 
-// Newton's search from p, the parameter near the point of the ray at height z. On success hit has p, position
-// and converged; else they stay as they were.
+// Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
+// the ray meets from behind, unless patient. On success hit has p, position and converged; else they stay.
 template <class T>
-void searchFrom(const GeometryImage& image, const ViewRay<T>& ray, T z, glm::vec<2, T> p, int patches,
+void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T z, glm::vec<2, T> p, bool patient,
                 VdimHit<T>& hit) {
   using V2 = glm::vec<2, T>;
-  const T n = T(image.side());
+  const T n = T(geometry.side());
   const V2 point = ray.x + ray.slope * z;
-  int left = patches;
+  int left = kPatches;
   do {
     const V2 texel = p * n - T(0.5), base = glm::floor(texel);
     V2 ab = texel - base;
-    const Patch<T> patch = fetchPatch<T>(image, static_cast<int>(base.x), static_cast<int>(base.y));
-    // One gather for z and chart, one for the displacements unless they are 0.
-    hit.fetches += image.identity_parameterization ? 1 : 2;
+    const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
+    hit.fetches += 1;  // one gather
     const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
     T hit_z = z;
-    const bool converged = meetPatch(patch, shift, ray, n, ab, hit_z) && patch.chart != 0;
+    const Meeting meeting = meetPatch(patch, shift, ray, n, ab, hit_z);
     p = (base + ab + T(0.5)) / n;
-    if (converged) {
+    if (meeting == Meeting::kHere) {
       hit.p = p + shift;
       hit.position = glm::vec<3, T>(ray.x + ray.slope * hit_z, hit_z);
       hit.converged = true;
     }
-    left = converged ? 0 : left - 1;
+    left = hit.converged || (meeting == Meeting::kAway && !patient) ? 0 : left - 1;
   } while (left > 0);
 }
 
-// Highest entry below a height; far below the tile if there is none.
+// The depths that a lookup has gathered.
 template <class T>
-T highestBelow(const glm::vec<4, T>& depths, T below) {
+struct Depths {
+  glm::vec<4, T> layer[3];
+  int layers;
+};
+
+// Highest depth below a height; below kNone if there is none.
+template <class T>
+T highestBelow(const Depths<T>& depths, T below) {
   T z = T(-1e9);
-  for (int k = 0; k < 4; ++k) z = depths[k] < below ? std::max(z, depths[k]) : z;
+  for (int l = 0; l < depths.layers; ++l)
+    for (int k = 0; k < 4; ++k) z = depths.layer[l][k] < below ? std::max(z, depths.layer[l][k]) : z;
   return z;
 }
 
-// Mean of the entries at or above `low`, each with its weight: the depth of the topmost surface at x.
+// Mean of the depths at or above `low`, each with its weight: where the topmost surface at x is.
 template <class T>
-T clusterMean(const glm::vec<4, T>& own, const glm::vec<4, T>& next, T low, glm::vec<2, T> f, T next_weight) {
+T clusterMean(const Depths<T>& depths, T low, glm::vec<2, T> f, const T (&layer_weight)[3]) {
   using V4 = glm::vec<4, T>;
   constexpr float kFloor = 0.02f;  // so that a lone entry with weight 0 still counts
   const V4 spatial = V4((1 - f.x) * (1 - f.y), f.x * (1 - f.y), (1 - f.x) * f.y, f.x * f.y) + T(kFloor);
   T weight = 0, sum = 0;
-  for (int k = 0; k < 4; ++k) {
-    const T w_own = own[k] >= low ? spatial[k] * (1 - next_weight) : T(0);
-    const T w_next = next[k] >= low ? spatial[k] * next_weight : T(0);
-    weight += w_own + w_next;
-    sum += own[k] * w_own + next[k] * w_next;
-  }
+  for (int l = 0; l < depths.layers; ++l)
+    for (int k = 0; k < 4; ++k) {
+      const T w = depths.layer[l][k] >= low ? spatial[k] * layer_weight[l] : T(0);
+      weight += w;
+      sum += depths.layer[l][k] * w;
+    }
   return sum / std::max(weight, T(1e-9));
 }
 
 }  // namespace
 
 template <class T>
-VdimHit<T> vdimLookup(const GeometryImage& image, const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x,
-                      const glm::vec<3, T>& wo) {
+VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
   const ViewRay<T> ray = viewRay(x, wo);
-  const NearestLayers<T> layers = nearestLayers(atlas.size.directions, vdimSquareFromView(wo));
-  const TierLimits limits = tierLimits(tier, image.identity_parameterization);
-  const glm::vec<4, T> own = gatherDepths(atlas, layers.own, ray.x);
-  const glm::vec<4, T> next = tier == VdimTier::kFast ? own : gatherDepths(atlas, layers.next, ray.x);
+  const NearestLayers<T> nearest = nearestLayers(atlas.size.directions, vdimSquareFromView(wo));
+  const TierLimits limits = tierLimits(tier);
+  Depths<T> depths{{}, limits.layers};
+  for (int l = 0; l < limits.layers; ++l) depths.layer[l] = gatherDepths(atlas, nearest.index[l], ray.x);
   VdimHit<T> hit;
-  hit.fetches = tier == VdimTier::kFast ? 1 : 2;
-  // First the blended depth of the topmost surface; then single entries from the one nearest to the viewer
-  // down. The first search that converges wins.
-  const T range = -T(atlas.z_min);
-  const T top = std::max(highestBelow(own, T(1)), highestBelow(next, T(1)));
+  hit.fetches = limits.layers;
+  // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
+  // then these once more with patience. The first search that converges wins.
+  const T range = T(atlas.geometry.range.z);
   const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
-  T z = clusterMean(own, next, top - T(kCluster) * range, f, layers.next_weight);
+  T z = clusterMean(depths, highestBelow(depths, T(1)) - T(kCluster) * range, f, nearest.weight);
   // Where searches that fail end up means nothing; the blended depth is near.
   hit.p = parameterNear(atlas, ray.x + ray.slope * z, z);
   hit.position = glm::vec<3, T>(ray.x + ray.slope * z, z);
-  const int volume_fetches = atlas.volume.empty() ? 0 : 1;
-  hit.fetches += volume_fetches;
-  searchFrom(image, ray, z, hit.p, limits.patches, hit);
   T below = T(1);
-  for (int left = limits.candidates - 1; left > 0 && !hit.converged; --left) {
-    z = std::max(highestBelow(own, below), highestBelow(next, below));
-    if (z < T(-1e8)) break;
+  bool patient = false;
+  int left = limits.candidates;
+  do {
+    hit.fetches += atlas.volume.empty() ? 0 : 1;
+    searchFrom(atlas.geometry, ray, z, parameterNear(atlas, ray.x + ray.slope * z, z), patient, hit);
+    const T next = highestBelow(depths, below);
+    const bool exhausted = next < T(kNone);
+    left = hit.converged || (exhausted && patient) ? 0 : left - 1;
+    patient = patient || exhausted;
+    z = exhausted ? highestBelow(depths, T(1)) : next;
     below = z - T(kSeparation) * range;
-    hit.fetches += volume_fetches;
-    searchFrom(image, ray, z, parameterNear(atlas, ray.x + ray.slope * z, z), limits.patches, hit);
-  }
+  } while (left > 0);
   const glm::vec<2, T> base = glm::floor(x);
   hit.p += base;
   hit.position += glm::vec<3, T>(base, 0);
@@ -223,10 +240,8 @@ glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const gl
   return x + reference + (length > T(1e-6) ? direction / length : V2(0)) * (entry.z * T(vdim.range.y));
 }
 
-template VdimHit<float> vdimLookup(const GeometryImage&, const VdimAtlas&, VdimTier, glm::vec<2, float>,
-                                   const glm::vec<3, float>&);
-template VdimHit<double> vdimLookup(const GeometryImage&, const VdimAtlas&, VdimTier, glm::vec<2, double>,
-                                    const glm::vec<3, double>&);
+template VdimHit<float> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, float>, const glm::vec<3, float>&);
+template VdimHit<double> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, double>, const glm::vec<3, double>&);
 template glm::vec<2, float> paperVdimLookup(const PaperVdim&, glm::vec<2, float>, const glm::vec<3, float>&);
 template glm::vec<2, double> paperVdimLookup(const PaperVdim&, glm::vec<2, double>, const glm::vec<3, double>&);
 

@@ -14,8 +14,8 @@ struct GlFormat {
 };
 
 GlFormat glFormat(const PartTexture& part) {
-  // The geometry image: the same eight bytes as two integers, so that one gather returns two channels.
-  if (part.plain_2d) return {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT};
+  // The packed geometry image: four bytes as one integer, so that one gather returns a whole patch.
+  if (part.plain_2d) return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
   switch (part.texels.format) {
     case TexelFormat::kR8Unorm: return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
     case TexelFormat::kR8Snorm: return {GL_R8_SNORM, GL_RED, GL_BYTE};

@@ -92,7 +92,7 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
   data.mean_chroma = {m.mean.cb, m.mean.cr, m.lambda_min, 1};
   data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
-  data.geometry = {m.geometry.range.x, m.geometry.range.y, std::max(m.geometry.range.z, 1e-9f), m.geometry.side()};
+  data.geometry = {packedRange(m.geometry), m.geometry.side()};
   data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
   if (m.stored_vdim)
     data.paper = {m.stored_vdim->range, m.stored_vdim->zeniths, m.stored_vdim->azimuths};

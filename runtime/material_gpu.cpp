@@ -40,7 +40,7 @@ glm::vec3 meanAlbedo(const PhongMean& mean) {
 
 void SharedTextures::create() {
   using enum TexelFormat;
-  empty_2d_ = uploadWhole(oneTexel(0, TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, true, {}), "empty 2D");
+  empty_2d_ = uploadWhole(oneTexel(0, kRGBA8Unorm, TextureShape::kArray2D, true, {}), "empty 2D");
   empty_array_ = uploadWhole(oneTexel(0, kRGBA8Unorm, TextureShape::kArray2D, false, {}), "empty array");
   empty_volume_ = uploadWhole(oneTexel(0, kRGBA8Unorm, TextureShape::kVolume, false, {}), "empty volume");
   const uint8_t zero = 0;

@@ -29,8 +29,7 @@ float parallaxEnd(const Material& material) {
 }
 
 PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize atlas) {
-  const uint64_t bytes = gpuBytes(material.geometry.texels) + vdimAtlasBytes(material.geometry, atlas);
-  return {PartKind::kGeometry, 0, {bytes, lambda_end}};
+  return {PartKind::kGeometry, 0, {vdimAtlasBytes(material.geometry, atlas), lambda_end}};
 }
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
@@ -79,7 +78,7 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   if (!image) return image.issue();
   VdimAtlas atlas = buildVdimAtlas(*image, GeometryTracer(*image), size, threads);
   LoadedPart part;
-  part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(image->texels)});
+  part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
   part.textures.push_back({LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(atlas.depth)});
   if (!atlas.volume.empty())
     part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
@@ -173,10 +172,10 @@ Status checkExtents(const Material& material, std::span<const PartPlan> parts, V
 }
 
 VdimAtlasSize fitAtlas(VdimAtlasSize wanted, uint64_t budget_bytes) {
-  GeometryImage height_field;  // the closest-point volume has one size, and does not count here
+  GeometryImage height_field;  // geometry and closest-point volume have one size, and do not count here
   height_field.identity_parameterization = true;
   const auto too_large = [&] { return vdimAtlasBytes(height_field, wanted) > budget_bytes / 16; };
-  while (wanted.texels > 16 && too_large()) wanted.texels /= 2;
+  while (wanted.texels > 16 && too_large()) wanted.texels = std::max(16, wanted.texels * 3 / 4);
   return wanted;
 }
 

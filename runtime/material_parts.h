@@ -39,7 +39,7 @@ enum class Sampling : uint8_t { kRepeatTrilinear, kRepeatLinear, kRepeatNearest,
 struct PartTexture {
   int unit = 0;  // of shaders/loden_shared.h
   Sampling sampling = Sampling::kRepeatTrilinear;
-  bool plain_2d = false;  // a geometry image: GL_TEXTURE_2D of RG32UI (shaders/loden_vdim.glsl) rather than an array
+  bool plain_2d = false;  // a geometry image: GL_TEXTURE_2D of R32UI (shaders/loden_vdim.glsl) rather than an array
   const char* label = "";
   Texture texels;
 };

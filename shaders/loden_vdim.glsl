@@ -1,12 +1,20 @@
 // View-dependent indirection: p = VDIM(x, wo). Mirrors material/vdim_lookup.cpp name for name.
-// Default: 2 gathers for 8 depths, then per candidate 1 fetch (none on identity parameterizations) and 2
-// gathers (1) per patch visited. Fast: 1 gather for 4 depths, one candidate.
+// Default: 3 gathers for 12 depths, then per candidate 1 fetch (none on identity parameterizations) and a gather per
+// patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates.
 
 const float LODEN_REACH = 3.0;               // texels
-const float LODEN_INSIDE = 0.4;              // texels
+const float LODEN_INSIDE = 0.2;              // texels
 const float LODEN_RESIDUAL = 0.2;            // texels
+const int LODEN_PATCHES = 5;
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
+const float LODEN_NONE = -1e8;               // below every depth
+
+#ifdef LODEN_LOOKUP_FAST
+const int LODEN_LAYERS = 1, LODEN_CANDIDATES = 5;
+#else
+const int LODEN_LAYERS = 3, LODEN_CANDIDATES = 16;
+#endif
 
 struct LodenVdimHit {
   vec2 p;        // unwrapped
@@ -26,24 +34,26 @@ LodenViewRay loden_view_ray(vec2 x, vec3 wo) {
   return LodenViewRay(x - floor(x), wo.xy * (scale / cosine));
 }
 
-// The two layers of the atlas nearest to the view: its own cell, and the neighbour across the nearer border,
-// with the second one's weight in a linear blend.
+// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
+// across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
 struct LodenNearestLayers {
-  int own, next;
-  float next_weight;
+  ivec3 index;
+  vec3 weight;
 };
 LodenNearestLayers loden_nearest_layers(int directions, vec2 square) {
-  vec2 grid = square * float(directions);
-  vec2 limit = vec2(float(directions) - 1.0);
+  vec2 grid = square * float(directions), limit = vec2(float(directions) - 1.0);
   vec2 cell = clamp(floor(grid), vec2(0.0), limit);
   vec2 off = grid - cell - 0.5;
-  vec2 second = cell;
-  if (abs(off.x) > abs(off.y))
-    second.x = clamp(cell.x + (off.x > 0.0 ? 1.0 : -1.0), 0.0, limit.x);
-  else
-    second.y = clamp(cell.y + (off.y > 0.0 ? 1.0 : -1.0), 0.0, limit.y);
-  return LodenNearestLayers(int(cell.y) * directions + int(cell.x), int(second.y) * directions + int(second.x),
-                            min(max(abs(off.x), abs(off.y)), 0.5));
+  vec2 beside = clamp(cell + vec2(off.x > 0.0 ? 1.0 : -1.0, off.y > 0.0 ? 1.0 : -1.0), vec2(0.0), limit);
+  bool x_first = abs(off.x) > abs(off.y);
+  vec2 first = x_first ? vec2(beside.x, cell.y) : vec2(cell.x, beside.y);
+  vec2 second = x_first ? vec2(cell.x, beside.y) : vec2(beside.x, cell.y);
+  float a = min(max(abs(off.x), abs(off.y)), 0.5);
+  float b = min(min(abs(off.x), abs(off.y)), 0.5);
+  float shared_ = 0.5 * a * b;
+  return LodenNearestLayers(ivec3(ivec2(cell.y, first.y) * directions + ivec2(cell.x, first.x),
+                                  int(second.y) * directions + int(second.x)),
+                            vec3((1.0 - a) * (1.0 - b), a - shared_, b - shared_));
 }
 
 // z of the four entries around x in one layer, as (lower left, lower right, upper left, upper right).
@@ -71,31 +81,28 @@ struct LodenPatch {
   bool exists;
 };
 
-// The bilinear patch whose lower left corner is texel `base`. The geometry image's RGBA16 texels are bound as
-// RG32UI, so that one gather returns two channels of four corners: (dx | dy << 16, z | chart << 16).
+// The bilinear patch whose lower left corner is texel `base` (material/packed_geometry.h).
 LodenPatch loden_fetch_patch(vec2 base) {
   vec3 range = loden_material.geometry.xyz;
   float n = loden_material.geometry.w;
-  const float unit = 1.0 / 65535.0;
-  vec2 uv = (base + 1.0) / n;
   LODEN_COUNT(1);
-  uvec4 z_chart = textureGather(loden_geometry, uv, 1);
-  vec4 x = vec4(0.0), y = vec4(0.0);
-  if ((loden_material.flags.x & LODEN_IDENTITY) == 0) {
-    LODEN_COUNT(1);
-    uvec4 xy = textureGather(loden_geometry, uv, 0);
-    x = (vec4(xy & 0xffffu) * unit - 0.5) * range.x;
-    y = (vec4(xy >> 16u) * unit - 0.5) * range.y;
-  }
-  vec4 z = (vec4(z_chart & 0xffffu) * unit - 1.0) * range.z;
-  uvec4 chart = z_chart >> 16u;
+  uvec4 code = textureGather(loden_geometry, (base + 1.0) / n, 0);
+  bool identity = (loden_material.flags.x & LODEN_IDENTITY) != 0;
+  vec4 x = (vec4(code & 1023u) - 511.0) * (1.0 / 1022.0) * range.x;
+  vec4 y = (vec4(code >> 10u & 1023u) - 511.0) * (1.0 / 1022.0) * range.y;
+  x -= floor(x - x.w + 0.5);  // all corners in the period of the first
+  y -= floor(y - y.w + 0.5);
+  vec4 z = identity ? vec4(code & 0xffffu) * (1.0 / 65535.0) : vec4(code >> 20u & 2047u) * (1.0 / 2047.0);
+  x = identity ? vec4(0.0) : x;
+  y = identity ? vec4(0.0) : y;
+  z = (z - 1.0) * range.z;
   vec2 lower = (base + 0.5) / n, upper = (base + 1.5) / n;
   LodenPatch patch_;
   patch_.p00 = vec3(lower.x + x.w, lower.y + y.w, z.w);
   patch_.p10 = vec3(upper.x + x.z, lower.y + y.z, z.z);
   patch_.p01 = vec3(lower.x + x.x, upper.y + y.x, z.x);
   patch_.p11 = vec3(upper.x + x.y, upper.y + y.y, z.y);
-  patch_.exists = chart.x != 0u && chart.x == chart.y && chart.x == chart.z && chart.x == chart.w;
+  patch_.exists = (code.w >> 31u) != 0u;
   return patch_;
 }
 
@@ -112,8 +119,12 @@ float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2
   return det;
 }
 
+// What a patch says about the ray.
+const int LODEN_AWAY = 0, LODEN_NEAR = 1, LODEN_HERE = 2;
+
 // Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is wanted.
-bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z) {
+// A ray that turned to the back of the surface is away from what the viewer sees.
+int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z) {
   vec2 q00 = loden_shear(patch_.p00, shift, ray);
   vec2 q10 = loden_shear(patch_.p10, shift, ray) - q00;
   vec2 q01 = loden_shear(patch_.p01, shift, ray) - q00;
@@ -126,27 +137,29 @@ bool loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float sid
   z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
   vec2 centred = abs(ab - 0.5);
   vec2 residual = abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
-  return det > 0.0 && max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE &&
-         max(residual.x, residual.y) * side <= LODEN_RESIDUAL;
+  bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && max(residual.x, residual.y) * side <= LODEN_RESIDUAL;
+  if (!patch_.exists) return LODEN_NEAR;
+  return det > 0.0 ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
 }
 
-// Newton's search from p, the parameter near the point of the ray at height z. found = (p, z, 1) if it
-// converged, else as it was. What leaves the loop is carried through every iteration on purpose: llvmpipe
-// (Mesa 22.3) hands out the last iteration's values of anything else, also to invocations that left before.
-void loden_search_from(LodenViewRay ray, float z, vec2 p, int patches, inout vec4 found) {
+// Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
+// the ray meets from behind, unless patient. found = (p, z, 1) if it converged, else as it was. What leaves the loop
+// is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's values of
+// anything else, also to invocations that left before.
+void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found) {
   float n = loden_material.geometry.w;
   vec2 point = ray.x + ray.slope * z;
-  int left = patches;
+  int left = LODEN_PATCHES;
   do {
     vec2 texel = p * n - 0.5, base = floor(texel);
     vec2 ab = texel - base;
     LodenPatch patch_ = loden_fetch_patch(base);
     vec2 shift = floor(point - patch_.p00.xy + 0.5);
     float hit_z;
-    bool converged = loden_meet_patch(patch_, shift, ray, n, ab, hit_z) && patch_.exists;
+    int meeting = loden_meet_patch(patch_, shift, ray, n, ab, hit_z);
     p = (base + ab + 0.5) / n;
-    found = converged ? vec4(p + shift, hit_z, 1.0) : found;
-    left = converged ? 0 : left - 1;
+    found = meeting == LODEN_HERE ? vec4(p + shift, hit_z, 1.0) : found;
+    left = meeting == LODEN_HERE || (meeting == LODEN_AWAY && !patient) ? 0 : left - 1;
   } while (left > 0);
 }
 
@@ -155,48 +168,64 @@ float loden_highest_below(vec4 depths, float below) {
   return max(max(usable.x, usable.y), max(usable.z, usable.w));
 }
 
-// Mean of the entries at or above `low`, each with its weight: the depth of the topmost surface at x.
-float loden_cluster_mean(vec4 own, vec4 next, float low, vec2 f, float next_weight) {
+// The depths that a lookup has gathered.
+struct LodenDepths {
+  vec4 layer[LODEN_LAYERS];
+};
+
+// Highest depth below a height; below LODEN_NONE if there is none.
+float loden_highest_below(LodenDepths depths, float below) {
+  float z = loden_highest_below(depths.layer[0], below);
+#ifndef LODEN_LOOKUP_FAST
+  z = max(z, max(loden_highest_below(depths.layer[1], below), loden_highest_below(depths.layer[2], below)));
+#endif
+  return z;
+}
+
+// Mean of the depths at or above `low`, each with its weight: where the topmost surface at x is.
+float loden_cluster_mean(LodenDepths depths, float low, vec2 f, vec3 layer_weight) {
   const float floor_ = 0.02;  // so that a lone entry with weight 0 still counts
   vec4 spatial = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y) + floor_;
-  vec4 w_own = mix(vec4(0.0), spatial * (1.0 - next_weight), greaterThanEqual(own, vec4(low)));
-  vec4 w_next = mix(vec4(0.0), spatial * next_weight, greaterThanEqual(next, vec4(low)));
-  return (dot(own, w_own) + dot(next, w_next)) / max(dot(w_own + w_next, vec4(1.0)), 1e-9);
+  float weight = 0.0, sum = 0.0;
+  for (int l = 0; l < LODEN_LAYERS; ++l) {
+    vec4 w = mix(vec4(0.0), spatial * layer_weight[l], greaterThanEqual(depths.layer[l], vec4(low)));
+    weight += dot(w, vec4(1.0));
+    sum += dot(depths.layer[l], w);
+  }
+  return sum / max(weight, 1e-9);
 }
 
 LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
   LodenViewRay ray = loden_view_ray(x, wo);
-  LodenNearestLayers layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(wo));
-  vec4 own = loden_gather_depths(layers.own, ray.x);
-#ifdef LODEN_LOOKUP_FAST
-  vec4 next = own;
-  int patches = (loden_material.flags.x & LODEN_IDENTITY) != 0 ? 4 : 2;
-#else
-  vec4 next = loden_gather_depths(layers.next, ray.x);
-  const int candidates = 8, patches = 4;
-#endif
-  // First the blended depth of the topmost surface; then single entries from the one nearest to the viewer
-  // down. The first search that converges wins.
-  float range = loden_material.geometry.z;
-  float top = max(loden_highest_below(own, 1.0), loden_highest_below(next, 1.0));
-  vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
-  float z = loden_cluster_mean(own, next, top - LODEN_CLUSTER * range, f, layers.next_weight);
-  // Where searches that fail end up means nothing; the blended depth is near.
-  vec4 found = vec4(loden_parameter_near(ray.x + ray.slope * z, z), z, 0.0);
-  loden_search_from(ray, z, found.xy, patches, found);
+  LodenNearestLayers nearest = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(wo));
+  LodenDepths depths;
+  depths.layer[0] = loden_gather_depths(nearest.index.x, ray.x);
 #ifndef LODEN_LOOKUP_FAST
-  if (found.w == 0.0) {
-    float below = 1.0;
-    int left = candidates - 1;
-    do {
-      z = max(loden_highest_below(own, below), loden_highest_below(next, below));
-      below = z - LODEN_SEPARATION * range;
-      loden_search_from(ray, z, loden_parameter_near(ray.x + ray.slope * z, z), patches, found);
-      bool more = max(loden_highest_below(own, below), loden_highest_below(next, below)) > -1e8;
-      left = found.w > 0.0 || !more ? 0 : left - 1;
-    } while (left > 0);
-  }
+  depths.layer[1] = loden_gather_depths(nearest.index.y, ray.x);
+  depths.layer[2] = loden_gather_depths(nearest.index.z, ray.x);
 #endif
+  // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
+  // then these once more with patience. The first search that converges wins.
+  float range = loden_material.geometry.z;
+  float top = loden_highest_below(depths, 1.0);
+  vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
+  float z = loden_cluster_mean(depths, top - LODEN_CLUSTER * range, f, nearest.weight);
+  // Where searches that fail end up means nothing; the blended depth is near.
+  vec2 p = loden_parameter_near(ray.x + ray.slope * z, z);
+  vec4 found = vec4(p, z, 0.0);
+  float below = 1.0;
+  bool patient = false;
+  int left = LODEN_CANDIDATES;
+  do {
+    loden_search_from(ray, z, p, patient, found);
+    float next = loden_highest_below(depths, below);
+    bool exhausted = next < LODEN_NONE;
+    left = found.w > 0.0 || (exhausted && patient) ? 0 : left - 1;
+    patient = patient || exhausted;
+    z = exhausted ? top : next;
+    below = z - LODEN_SEPARATION * range;
+    if (left > 0) p = loden_parameter_near(ray.x + ray.slope * z, z);
+  } while (left > 0);
   LodenVdimHit hit;
   hit.converged = found.w > 0.0;
   vec2 base = floor(x);

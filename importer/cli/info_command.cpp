@@ -30,7 +30,7 @@ Part partOf(const std::string& name, const Texture& texture, uint64_t stored_byt
   return {name, texelFormatName(texture.format), extentOf(texture), bytes, stored_bytes, bytes, lambda_first};
 }
 
-// The atlas is no part of the file: the runtime builds it.
+// The atlas is no part of the file: the runtime builds it, with a packed copy of the geometry.
 Part atlasPart(const GeometryImage& geometry) {
   const VdimAtlasSize size;
   return {"vdim atlas", "R8_UNORM", formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions), 0, 0,
@@ -42,6 +42,7 @@ std::vector<Part> partsOf(const AssetFile& file) {
   std::vector<Part> parts;
   if (material.geometry.texels.width > 0) {
     parts.push_back(partOf("geometry", material.geometry.texels, file.geometryStoredBytes()));
+    parts.back().gpu_bytes = 0;
     parts.push_back(atlasPart(material.geometry));
   }
   for (size_t b = material.bands.size(); b-- > 0;) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "importer/fit/lookup_error.h"
+
 namespace loden::importer {
 
 const char* presetName(Preset preset) {
@@ -41,6 +43,19 @@ std::string componentsText(const Material& material) {
   return std::to_string(4 * band.y_quads) + "," + chroma + "," + chroma;
 }
 
+nlohmann::ordered_json lookupMeta(const Material& material) {
+  const VdimAtlas atlas = buildVdimAtlas(material.geometry, GeometryTracer(material.geometry), {});
+  nlohmann::ordered_json json = {{"geometry_side", material.geometry.side()},
+                                 {"atlas_texels", atlas.size.texels},
+                                 {"atlas_directions", atlas.size.directions},
+                                 {"bytes", atlas.bytes()}};
+  for (const auto& [name, tier] : {std::pair{"fast", VdimTier::kFast}, std::pair{"default", VdimTier::kDefault}}) {
+    const LookupError e = measureLookup(material, atlas, tier, 0);
+    json[name] = {{"mean_texels", e.mean_texels}, {"over_1_texel", e.over_1_texel}, {"fetches", e.fetches}};
+  }
+  return json;
+}
+
 }  // namespace
 
 uint64_t rawFileBytes(const Material& material) {
@@ -48,9 +63,10 @@ uint64_t rawFileBytes(const Material& material) {
 }
 
 uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
-  uint64_t bytes = rawFileBytes(material);
+  const uint64_t bytes = rawFileBytes(material);
   if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
-  return bytes + vdimAtlasBytes(material.geometry, atlas);
+  // The atlas holds a packed copy of the geometry, which itself does not go to the GPU.
+  return bytes - material.geometry.texels.data.size() + vdimAtlasBytes(material.geometry, atlas);
 }
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
@@ -69,6 +85,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
       meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
     }
   }
+  if (!material.geometry.empty() && material.mode != Mode::kLod) meta["lookup"] = lookupMeta(material);
   const std::vector<TradePoint> front = paretoFront(trade);
   for (const TradePoint& p : trade) {
     const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) { return f.bytes == p.bytes && f.rmse_y == p.rmse_y; });

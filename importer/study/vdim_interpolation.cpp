@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 
+#include "importer/bake_scene.h"
 #include "importer/fit/paper_vdim.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
@@ -21,6 +22,7 @@ namespace loden::importer {
 namespace {
 
 constexpr int kViews = 256, kPointsPerView = 512;
+constexpr int kFineGeometry = 256;  // texels per side
 
 struct Sample {
   glm::dvec2 x{0};
@@ -59,6 +61,7 @@ struct Candidate {
   std::string map, lookup;
   size_t bytes = 0;  // on the GPU
   std::function<Answer(glm::dvec2 x, const glm::dvec3& wo)> find;
+  const GeometryImage* geometry = nullptr;  // that p is mapped back through
 };
 
 double periodicDistance(glm::dvec2 a, glm::dvec2 b) {
@@ -66,15 +69,15 @@ double periodicDistance(glm::dvec2 a, glm::dvec2 b) {
   return glm::length(d - glm::round(d));
 }
 
-StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples, const GeometryImage& geometry,
-                 const std::string& tile, const StudyOptions& options) {
+StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples, const std::string& tile,
+                 const StudyOptions& options) {
   std::vector<double> errors(samples.size(), -1);
   std::vector<int> fetches(samples.size(), 0);
   parallelFor(kViews, options.threads, [&](size_t v) {
     for (size_t i = v * kPointsPerView; i < (v + 1) * kPointsPerView; ++i) {
       if (!samples[i].hit) continue;
       const Answer answer = candidate.find(samples[i].x, samples[i].wo);
-      const auto point = surfaceAt(geometry, answer.p);
+      const auto point = surfaceAt(*candidate.geometry, answer.p);
       errors[i] = periodicDistance(glm::dvec2(point.position), samples[i].truth) * options.size;
       fetches[i] = answer.fetches;
     }
@@ -105,31 +108,56 @@ Result<Candidate> paperCandidate(const BakedOutput& baked, glm::ivec2 shape) {
   return Candidate{"latlong:" + std::to_string(shape.x) + "x" + std::to_string(shape.y), "paper", bytes, find};
 }
 
+// texels as BakedOutput::geometry gives them.
+GeometryImage encodeTexels(int side, std::span<const glm::vec4> texels, bool identity_parameterization) {
+  std::vector<glm::dvec3> positions;
+  std::vector<uint16_t> charts;
+  for (size_t t = 0; t < texels.size(); ++t) {
+    const glm::dvec2 p((double(t % size_t(side)) + .5) / side, (double(t / size_t(side)) + .5) / side);
+    positions.emplace_back(glm::dvec2(texels[t]) + p, std::min(texels[t].z, 0.0f));
+    charts.push_back(static_cast<uint16_t>(texels[t].w));
+  }
+  return encodeGeometryImage(side, positions, charts, identity_parameterization);
+}
+
 Result<GeometryImage> geometryOf(const BakedOutput& baked) {
   const auto texels = baked.geometry();
   if (!texels) return texels.issue();
-  const int side = baked.manifest().geometry_size;
-  std::vector<glm::dvec3> positions;
-  std::vector<uint16_t> charts;
-  for (size_t t = 0; t < texels->size(); ++t) {
-    const glm::vec4& texel = (*texels)[t];
-    const glm::dvec2 p((double(t % side) + .5) / side, (double(t / side) + .5) / side);
-    positions.emplace_back(glm::dvec2(texel) + p, std::min(texel.z, 0.0f));
-    charts.push_back(static_cast<uint16_t>(texel.w));
-  }
-  return encodeGeometryImage(side, positions, charts, baked.manifest().identity_parameterization);
+  return encodeTexels(baked.manifest().geometry_size, *texels, baked.manifest().identity_parameterization);
+}
+
+// The geometry image that --geometry-size would give.
+GeometryImage geometryOfSize(const TileTracer& mesh, int side) {
+  BakeManifest manifest;
+  manifest.geometry_size = side;
+  manifest.flat_size = 64, manifest.supersample = 1;  // of maps that are not used here
+  BakeCounters counters;
+  const Image image = bakeSurface({mesh, manifest, counters}).geometry;
+  std::vector<glm::vec4> texels;
+  for (size_t t = 0; t < image.pixels.size(); t += 4)
+    texels.emplace_back(image.pixels[t], image.pixels[t + 1], image.pixels[t + 2], image.pixels[t + 3]);
+  return encodeTexels(side, texels, mesh.tile().identity_parameterization);
+}
+
+// The exact first hit on the geometry image: what the search could reach at best.
+Candidate tracedCandidate(const GeometryImage& geometry, const GeometryTracer& tracer) {
+  const auto find = [&tracer](glm::dvec2 x, const glm::dvec3& wo) {
+    const auto hit = tracer.traceView(x, wo);
+    return Answer{hit ? hit->p : x, 0};
+  };
+  return {"geometry " + std::to_string(geometry.side()), "quality", geometry.texels.data.size(), find, &geometry};
 }
 
 std::vector<Candidate> searchCandidates(const GeometryImage& geometry, const GeometryTracer& tracer, VdimAtlasSize size, int threads) {
   const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, tracer, size, threads));
-  const size_t bytes = atlas->bytes() + geometry.texels.data.size();
+  const size_t bytes = atlas->bytes();
   const std::string map = "concentric:" + std::to_string(size.directions) + " of " + std::to_string(size.texels) + "x" + std::to_string(size.texels);
   const auto with = [&](const char* name, VdimTier tier) {
-    const auto find = [atlas, &geometry, tier](glm::dvec2 x, const glm::dvec3& wo) {
-      const auto hit = vdimLookup(geometry, *atlas, tier, x, wo);
+    const auto find = [atlas, tier](glm::dvec2 x, const glm::dvec3& wo) {
+      const auto hit = vdimLookup(*atlas, tier, x, wo);
       return Answer{hit.p, hit.fetches};
     };
-    return Candidate{map, name, bytes, find};
+    return Candidate{map, name, bytes, find, &geometry};
   };
   return {with("fast", VdimTier::kFast), with("default", VdimTier::kDefault)};
 }
@@ -148,18 +176,18 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   for (const glm::ivec2 shape : baked->manifest().vdims) {
     auto candidate = paperCandidate(*baked, shape);
     if (!candidate) return candidate.issue();
+    candidate->geometry = &*geometry;
     candidates.push_back(std::move(*candidate));
   }
-  for (const VdimAtlasSize size : {VdimAtlasSize{16, 16}, VdimAtlasSize{32, 16}, VdimAtlasSize{64, 16}})
+  for (const VdimAtlasSize size : {VdimAtlasSize{16, 16}, VdimAtlasSize{}, VdimAtlasSize{24, 24}, VdimAtlasSize{32, 20}})
     for (Candidate& candidate : searchCandidates(*geometry, traced, size, options.threads)) candidates.push_back(std::move(candidate));
-  candidates.push_back({"geometry " + std::to_string(geometry->side()), "quality", geometry->texels.data.size(),
-                        [&](glm::dvec2 x, const glm::dvec3& wo) {
-                          const auto hit = traced.traceView(x, wo);
-                          return Answer{hit ? hit->p : x, 0};
-                        }});
+  const GeometryImage fine = geometryOfSize(mesh, kFineGeometry);
+  const GeometryTracer fine_tracer(fine);
+  candidates.push_back(tracedCandidate(*geometry, traced));
+  candidates.push_back(tracedCandidate(fine, fine_tracer));
   Progress progress("vdim-interpolation " + name, candidates.size(), options.quiet);
   for (const Candidate& candidate : candidates) {
-    rows.push_back(measure(candidate, samples, *geometry, name, options));
+    rows.push_back(measure(candidate, samples, name, options));
     progress.advance();
   }
   return {};

@@ -55,8 +55,17 @@ TEST_F(EnvironmentTest, RefusesWhatIsNoPanorama) {
   const TemporaryFile empty(""), text("hello"), huge("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n"),
       cut("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n\x02\x02");
   for (const TemporaryFile* file : {&empty, &text, &huge}) EXPECT_FALSE(readPanorama(file->path()).ok());
-  // What is missing of a file that ends early reads as anything, but stays inside the picture.
-  if (const auto panorama = readPanorama(cut.path()); panorama.ok()) EXPECT_EQ(panorama->pixels.size(), 64u * 64u);
+  // Long enough for its extents, but the third line's runs end within the line.
+  std::string lines = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 3 +X 16\n";
+  for (int y = 0; y < 3; ++y) {
+    lines += std::string("\x02\x02\x00\x10", 4);
+    for (int channel = 0; channel < 4; ++channel) lines += "\x90\x80";
+  }
+  EXPECT_TRUE(readPanorama(TemporaryFile(lines).path()).ok());
+  const std::string too_long = std::string(lines).replace(lines.size() - 2, 1, "\x91"), no_run = std::string(lines).replace(lines.size() - 2, 2, std::string(2, '\0'));
+  for (const std::string& bytes : {too_long, no_run, lines.substr(0, lines.size() - 1)})
+    EXPECT_FALSE(readPanorama(TemporaryFile(bytes).path()).ok());
+  EXPECT_FALSE(readPanorama(cut.path()).ok());
 }
 
 // A plane seen at an angle under a polynomial light, against the CPU evaluator at the pixels' x.

@@ -237,9 +237,9 @@ verb_studies() {
   : >"$LOGS/tools.log"
   for study in $("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p'); do
     tool "study $study" "$BIN/loden" study "$study" --bakes out/studies/bakes --json "out/studies/$study.json" \
-      --csv "out/studies/$study.csv"
+      --csv "out/studies/$study.csv" --pictures out/studies/pictures
   done
-  say "tables and JSON: $PWD/out/studies, text in $LOGS/tools.log"
+  say "tables, JSON and pictures: $PWD/out/studies, text in $LOGS/tools.log"
 }
 
 verb_pictures() {

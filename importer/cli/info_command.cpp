@@ -5,6 +5,7 @@
 
 #include "importer/cli/output.h"
 #include "material/asset.h"
+#include "material/environment.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -51,6 +52,7 @@ std::vector<Part> partsOf(const AssetFile& file) {
     const double lambda = band.lambda_first;
     parts.push_back(partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
     parts.push_back(partOf(name + " table", band.table, 0, lambda));
+    parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
   }
   if (material.stored_vdim) {
     parts.push_back(partOf("vdim reference", material.stored_vdim->reference, file.storedVdimStoredBytes()));
@@ -93,7 +95,7 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
       const Texture& w = band.weights;
       const uint64_t weights = bytesOf(w) - textureBytes(w.format, w.width, w.height, w.depth, skipped);
       bytes.raw += weights + bytesOf(band.table);
-      bytes.gpu += weights + bytesOf(band.table);
+      bytes.gpu += weights + bytesOf(band.table) + environmentTableBytes(band);
     }
     levels.push_back(bytes);
   }

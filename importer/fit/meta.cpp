@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/fit/lookup_error.h"
+#include "material/environment.h"
 
 namespace loden::importer {
 
@@ -63,7 +64,8 @@ uint64_t rawFileBytes(const Material& material) {
 }
 
 uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
-  const uint64_t bytes = rawFileBytes(material);
+  uint64_t bytes = rawFileBytes(material);
+  for (const Band& band : material.bands) bytes += environmentTableBytes(band);  // made by the runtime
   if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
   // The atlas holds a packed copy of the geometry, which itself does not go to the GPU.
   return bytes - material.geometry.texels.data.size() + vdimAtlasBytes(material.geometry, atlas);

@@ -124,6 +124,12 @@ GeometryImage wavyGeometry(int side) {
   return encodeGeometryImage(side, positions, charts, true);
 }
 
+std::unique_ptr<Device> makeDevice() {
+  DeviceOptions options;
+  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
+  return require(Device::create(options));
+}
+
 std::shared_ptr<const ByteSource> assetSource(const Material& material) {
   return memorySource(require(serializeAsset(material)), material.name);
 }

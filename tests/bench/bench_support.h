@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "material/material.h"
+#include "runtime/device.h"
 #include "runtime/gl_objects.h"
 #include "runtime/gl_target.h"
 #include "runtime/material_system.h"
@@ -18,6 +19,9 @@ Material fusedMaterial(uint32_t seed);    // a flat and a reference band, 16 com
 Material surfaceMaterial(uint32_t seed);  // three maps
 // Waves of depth .1, as a height field over its own x and y.
 GeometryImage wavyGeometry(int side);
+
+// Headless, with the driver's messages on stderr; exits if there is none.
+std::unique_ptr<runtime::Device> makeDevice();
 
 std::shared_ptr<const ByteSource> assetSource(const Material& material);
 

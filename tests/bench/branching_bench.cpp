@@ -113,9 +113,7 @@ void report(const FullScreen& screen, MaterialSystem& materials, const Subject& 
 
 int main() {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  DeviceOptions options;
-  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
-  const std::unique_ptr<Device> device = require(Device::create(options));
+  const std::unique_ptr<Device> device = makeDevice();
   const std::unique_ptr<MaterialSystem> materials = require(MaterialSystem::create(*device, {}));
   const FullScreen screen(kSize);
   const Subject lod = makeSubject(screen, *materials, lodMaterial(1), "lod");

@@ -190,9 +190,7 @@ void reportVariants(const Device& device) {
 
 int main() {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  DeviceOptions options;
-  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
-  const std::unique_ptr<Device> device = require(Device::create(options));
+  const std::unique_ptr<Device> device = makeDevice();
   std::printf("# bench_skips: median of %d interleaved frames, %s; each skip on, and off alone\n", kRounds,
               device->capabilities().renderer.c_str());
   std::printf("# the time of unused variants is that of the used ones, times their number\n");

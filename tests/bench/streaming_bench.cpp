@@ -192,9 +192,7 @@ void reportScale(const Device& device) {
 
 int main() {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  DeviceOptions options;
-  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
-  const std::unique_ptr<Device> device = require(Device::create(options));
+  const std::unique_ptr<Device> device = makeDevice();
   const Gallery gallery = makeGallery();
   std::printf("# bench_streaming: %d materials, %d frames at 1/60 s; MiB; read / needed: bytes read against the parts\n"
               "# that the finest lambda ever asked for needs; ms per frame; first: until all in view are within one level\n",

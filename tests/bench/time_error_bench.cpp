@@ -282,9 +282,7 @@ int main(int argc, char** argv) {
     if (!std::strcmp(argv[i], "--json")) json = argv[i + 1];
   }
   if (tiles.empty()) tiles = {"button", "pulli"};
-  DeviceOptions options;
-  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
-  const std::unique_ptr<Device> device = require(Device::create(options));
+  const std::unique_ptr<Device> device = makeDevice();
   const FullScreen screen({kPixels, kPixels});
   importer::StudyRows rows;
   for (const std::string& tile : tiles) measureTile(*device, screen, tile, rows);

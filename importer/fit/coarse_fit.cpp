@@ -42,6 +42,17 @@ Matrix stackedLevels(const Matrix& finest, int side) {
   return out;
 }
 
+// f * basis, block by block. Of data without its mean over the rows it has none either, so that what the coarsest
+// level stores is exactly zero; the weights of a randomised factorization only nearly have that.
+Matrix projected(const ColumnBlocks& f, const Matrix& basis) {
+  Matrix weights(f.rows, basis.cols), block;
+  for (int b = 0; b < f.blocks; ++b) {
+    f.read(b, block);
+    eigen(weights).noalias() += eigen(block) * eigen(basis).middleRows(Eigen::Index(b) * f.block_cols, f.block_cols);
+  }
+  return weights;
+}
+
 Factors fitChannel(const ColumnBlocks& finest, int side, int components, const DirectionSet& lights, const DirectionSet& views,
                    const CoarseFitOptions& options) {
   const ColumnBlocks levels = stackedLevels(finest, side);
@@ -49,8 +60,9 @@ Factors fitChannel(const ColumnBlocks& finest, int side, int components, const D
   eigenCols(weights, 0, 1).setOnes();
   if (components > 1) {
     const std::vector<double> mean = columnMeans(finest, options.threads);
-    const Factors rest = leadingFactors(stackedLevels(withoutMeans(finest, mean), side), components - 1, options.threads);
-    eigenCols(weights, 1, components - 1) = eigen(rest.weights).topRows(finest.rows);
+    const ColumnBlocks centred = withoutMeans(finest, mean);
+    const Matrix basis = leadingFactors(stackedLevels(centred, side), components - 1, options.threads).basis;
+    eigenCols(weights, 1, components - 1) = eigen(projected(centred, basis));
   }
   const Indirection straight = identityIndirection(levels.rows, levels.blocks);
   return {weights, solveGridBasis(levels, straight, stackedLevels(weights, side), options.grid, lights, views, options.threads)};

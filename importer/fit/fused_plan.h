@@ -12,7 +12,7 @@ struct FusedPlan {
   int flat_scale = 1;     // flat texels per reference texel, along one side
   int phis = 11;          // columns of its direction grid, the repeated one counted
   int coarse_y = 20;      // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
-  int coarse_phis = 17;
+  int coarse_phis = 18;
   int geometry_side = 0;  // of the geometry image; 0: as baked
   int sweeps = 6;         // of the joint fit
 };

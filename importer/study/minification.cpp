@@ -7,6 +7,7 @@
 #include "importer/fit/modes.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
+#include "importer/random.h"
 #include "importer/study/plot.h"
 #include "importer/study/study.h"
 #include "material/color.h"
@@ -15,7 +16,8 @@
 namespace loden::importer {
 namespace {
 
-constexpr int kLightsPerView = 9;    // every ninth light, shifted from view to view
+constexpr int kLightStride = 9;       // every ninth light, from a random one in each view: a regular shift would meet
+                                      // the pairs of equal directions, where hot spots are, too often or too rarely
 constexpr int kBoxesPerImage = 64;   // boxes of the level, evenly spread
 
 // Root of the mean squared difference of Y.
@@ -24,14 +26,16 @@ double levelError(const Evaluator& evaluator, const BtfSource& source, const Ycc
   std::vector<double> squares(size_t(truth.views()), 0.0);
   std::vector<int> counts(size_t(truth.views()), 0);
   LODEN_CHECK_EQ(source.size().x >> level, truth.side());
+  const int stride = boxes < kBoxesPerImage ? 1 : kLightStride;
   parallelFor(size_t(truth.views()), threads, [&](size_t v) {
     Matrix block;
     truth.read(0, int(v), block);
     const glm::dvec3 wo = source.views().samples[v];
+    const int first_light = static_cast<int>(mixSeed(v, 0) % uint64_t(stride));
     for (int box = int(v) % step; box < boxes; box += step) {
       const glm::dvec2 x = glm::dvec2(box % truth.side() + 0.5, box / truth.side() + 0.5) / double(truth.side());
       const Hit<double> hit = evaluator.findHit(x, lambda, wo);
-      for (int l = int(v) % kLightsPerView; l < truth.lights(); l += kLightsPerView) {
+      for (int l = first_light; l < truth.lights(); l += stride) {
         const glm::dvec3 value = evaluator.evaluate(hit, source.lights().samples[size_t(l)], wo);
         const double difference = yccFromRgb(value).x - block(box, l);
         squares[v] += difference * difference;

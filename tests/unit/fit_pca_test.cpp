@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "importer/fit/band_fit.h"
 #include "importer/fit/matrix.h"
 
 namespace loden::importer {
@@ -57,6 +58,20 @@ TEST(Pca, KeepsSmallSingularValuesOfLaeuchli) {
     EXPECT_NEAR(smallest / e, 1, 1e-3) << e;
     EXPECT_LT(largestDifference(product(f), m), 1e-15);
   }
+}
+
+// NIST StRD, univariate, NumAcc4: mean 10000000.2, standard deviation 0.1 of 1001 values. A sum of squares minus the
+// square of the sum keeps no digit of the deviation, even in double precision.
+TEST(Pca, MeanAndSpreadOfNistNumAcc4) {
+  Matrix values(1001, 1);
+  for (int i = 0; i < 1001; ++i) values(i, 0) = i == 0 ? 10000000.2 : i % 2 == 1 ? 10000000.1 : 10000000.3;
+  const ColumnBlocks blocks = blocksOf(values);
+  const std::vector<double> means = columnMeans(blocks, 1);
+  EXPECT_NEAR(means[0], 10000000.2, 1e-7);
+  const Factors f = leadingFactors(withoutMeans(blocks, means), 1);
+  double squares = 0;
+  for (double w : f.weights.col(0)) squares += w * w;
+  EXPECT_NEAR(std::sqrt(squares / 1000), 0.1, 1e-8);  // 7 digits: the data themselves are rounded to 2e-9
 }
 
 TEST(Pca, RandomisedFindsTheExactRank) {

@@ -13,7 +13,7 @@ readonly PACKAGES=(
   libbenchmark-dev libceres-dev libcli11-dev libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev
   libglfw3-dev libglm-dev libgtest-dev libimgui-dev libopenimageio-dev libosd-dev libstb-dev libtbb-dev
   libtinygltf-dev libvulkan-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
-  libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers xvfb
+  libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers python3 xvfb zstd
 )
 
 usage() {

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kGrowth = 2;
 
-// Sides of the levels from `side` down to the first that cannot be halved.
+// Sides of the levels from `side` down to 1.
 std::vector<int> levelSides(int side) {
   std::vector<int> sides{side};
-  while (side > 1 && side % 2 == 0) sides.push_back(side /= 2);
+  while (side > 1) sides.push_back(side /= 2);
   return sides;
 }
 

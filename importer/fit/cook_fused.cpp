@@ -71,7 +71,7 @@ std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const Ycc
   for (const YccBtf* level = &half;; level = &*coarser) {
     const Indirection straight = identityIndirection(level->texels(), level->views());
     ratios.push_back(fitRatios(*level, luma, in.mean, in.material.mean, straight, in.threads));
-    if (level->side() == 1 || level->side() % 2 != 0) return ratios;
+    if (level->side() == 1) return ratios;
     luma.weights = downsample(luma.weights, level->side(), BoxFilter::k2x2);
     coarser = downsample(*level, BoxFilter::k2x2, in.threads);
   }

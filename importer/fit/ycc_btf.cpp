@@ -121,8 +121,40 @@ Matrix imageMeans(const YccBtf& btf, int threads) {
   return means;
 }
 
+namespace {
+
+// The fine texels [first, first + count) along one axis that coarse texel i covers, and the share of each in it, where
+// `half` texels cover the same length as `side`, which is odd: a border of coarse texels cuts through a fine one.
+struct Overlap {
+  int first = 0, count = 0;
+  double share[4] = {0, 0, 0, 0};
+};
+Overlap overlapOf(int i, int side, int half) {
+  const double width = double(side) / half, begin = i * width, end = std::min((i + 1) * width, double(side));
+  Overlap o{static_cast<int>(begin), 0, {}};
+  for (int t = o.first; t < side && t < end; ++t) o.share[o.count++] = (std::min(t + 1.0, end) - std::max(double(t), begin)) / width;
+  return o;
+}
+
+Matrix downsampleOdd(const Matrix& fine, int side) {
+  const int half = side / 2;
+  Matrix coarse(half * half, fine.cols);
+  for (int t = 0; t < half * half; ++t) {
+    const Overlap x = overlapOf(t % half, side, half), y = overlapOf(t / half, side, half);
+    for (int c = 0; c < fine.cols; ++c)
+      for (int k = 0; k < x.count * y.count; ++k) {
+        const int i = k % x.count, j = k / x.count;
+        coarse(t, c) += x.share[i] * y.share[j] * fine((y.first + j) * side + x.first + i, c);
+      }
+  }
+  return coarse;
+}
+
+}  // namespace
+
 Matrix downsample(const Matrix& fine, int side, BoxFilter filter) {
   const int half = side / 2;
+  if (side % 2 != 0 && filter == BoxFilter::k2x2) return downsampleOdd(fine, side);
   Matrix coarse(half * half, fine.cols);
   const int first = filter == BoxFilter::k2x2 ? 0 : -1, taps = filter == BoxFilter::k2x2 ? 2 : 3;
   for (int c = 0; c < fine.cols; ++c)

@@ -44,7 +44,7 @@ Result<YccBtf> loadYcc(const BtfSource& source, int threads);
 Matrix imageMeans(const YccBtf& btf, int threads);
 
 enum class BoxFilter {
-  k2x2,  // mean of the four texels below: keeps position and mean
+  k2x2,  // mean of the four texels below, of an odd side mean over the area: keeps position and mean
   k3x3,  // as published (LBTF 3.1): 3 x 3 box around texel 2i, then decimation; shifts by half a texel
 };
 // Half the side; periodic.

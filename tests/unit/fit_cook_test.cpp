@@ -180,6 +180,21 @@ TEST(FlatFit, TexelsThatNoViewSeesStayFinite) {
   for (double e : fit.factors.basis.data) ASSERT_TRUE(std::isfinite(e));
 }
 
+TEST(Downsample, OddSidesKeepMeanAndPosition) {
+  for (const int side : {3, 5, 25}) {
+    Matrix ramp(side * side, 1);
+    for (int t = 0; t < side * side; ++t) ramp(t, 0) = (t % side + 0.5) / side + 10 * (t / side + 0.5) / side;
+    const int half = side / 2;
+    const Matrix coarse = downsample(ramp, side, BoxFilter::k2x2);
+    double mean = 0;
+    for (const double value : coarse.data) mean += value / double(coarse.rows);
+    EXPECT_NEAR(mean, 5.5, 1e-12);
+    // A box around the coarse texel's centre reads a ramp there, but for the steps of the fine texels.
+    for (int t = 0; t < coarse.rows; ++t)
+      EXPECT_NEAR(coarse(t, 0), (t % half + 0.5) / half + 10 * (t / half + 0.5) / half, 11 * 0.25 / side) << side;
+  }
+}
+
 TEST(MeanFirst, KeepsTheAverageExactThroughMips) {
   const SyntheticSource source = parallaxSource(8);
   const auto m = cookLod(source, {});

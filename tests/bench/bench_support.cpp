@@ -153,6 +153,37 @@ void FullScreen::draw(const GlProgram& program) const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+const char kMaterialFragment[] = R"(
+#include "loden_material.glsl"
+layout(location = 0) in vec2 uv;
+layout(location = 0) out vec4 color;
+layout(location = 0) uniform vec2 lambda;
+void main() {
+  vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(uv - 0.5, 0.6));
+  LodenMaterial m = loden_material_default();
+#ifdef FULL_PARALLAX
+  m.skip_parallax = false;
+#endif
+  LodenHit h = loden_find_hit_at(m, uv * 5.0, mix(lambda.x, lambda.y, uv.y), wo);
+  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
+#ifdef LODEN_COUNT_FETCHES
+  color.w = float(loden_fetches);
+#endif
+})";
+
+void drawAt(const FullScreen& screen, const GlProgram& program, glm::vec2 lambda) {
+  glProgramUniform2f(program.name(), 0, lambda.x, lambda.y);
+  screen.draw(program);
+}
+
+double meanFetches(const FullScreen& screen, const GlProgram& program, glm::vec2 lambda) {
+  drawAt(screen, program, lambda);
+  double sum = 0;
+  const std::vector<glm::vec4> pixels = screen.read();
+  for (const glm::vec4& pixel : pixels) sum += pixel.w;
+  return sum / double(pixels.size());
+}
+
 std::vector<double> interleavedMedians(const std::vector<std::function<void()>>& tasks, int rounds) {
   constexpr int kWarmUp = 2;
   std::vector<std::vector<double>> times(tasks.size());

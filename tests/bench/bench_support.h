@@ -42,6 +42,12 @@ class FullScreen {
   runtime::GlVertexArray array_;
 };
 
+// A material over 5 x 5 tile periods under one light, lambda from the first at the bottom to the second at the top.
+// With LODEN_COUNT_FETCHES alpha is the number of texture instructions; with FULL_PARALLAX nothing of it is skipped.
+extern const char kMaterialFragment[];
+void drawAt(const FullScreen& screen, const runtime::GlProgram& program, glm::vec2 lambda);
+double meanFetches(const FullScreen& screen, const runtime::GlProgram& program, glm::vec2 lambda);
+
 // Median milliseconds of each task, all run in turn within each of `rounds` rounds, after two to warm up.
 std::vector<double> interleavedMedians(const std::vector<std::function<void()>>& tasks, int rounds);
 

@@ -16,26 +16,6 @@ using namespace loden::runtime;
 constexpr glm::ivec2 kSize{400, 400};
 constexpr int kRounds = 15;
 
-const char kMaterial[] = R"(
-#include "loden_shared.h"
-#include "loden_interface.glsl"
-#include "loden_directions.glsl"
-#include "loden_vdim.glsl"
-#include "loden_bands.glsl"
-#include "loden_material.glsl"
-layout(location = 0) in vec2 uv;
-layout(location = 0) out vec4 color;
-layout(location = 0) uniform vec2 lambda;  // at the bottom and at the top of the picture
-void main() {
-  vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(uv - 0.5, 0.6));
-  LodenMaterial m = loden_material_default();
-  LodenHit h = loden_find_hit_at(m, uv * 5.0, mix(lambda.x, lambda.y, uv.y), wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
-#ifdef LODEN_COUNT_FETCHES
-  color.w = float(loden_fetches);
-#endif
-})";
-
 // What every engine has: one diffuse and one normal map, trilinear.
 const char kNormalMap[] = R"(
 layout(binding = 0) uniform sampler2DArray normal_map;
@@ -58,7 +38,7 @@ GlProgram materialProgram(const FullScreen& screen, MaterialVariant variant, boo
   variant.count_fetches = count;
   std::vector<std::string> defines = variantDefines(variant);
   if (!branch) defines.push_back("LODEN_NO_BRANCH 1");
-  return screen.program(kMaterial, defines);
+  return screen.program(kMaterialFragment, defines);
 }
 
 Subject makeSubject(const FullScreen& screen, MaterialSystem& materials, const Material& material, const char* name) {
@@ -68,19 +48,6 @@ Subject makeSubject(const FullScreen& screen, MaterialSystem& materials, const M
   const MaterialVariant variant = materials.variant(id);
   return {name, id, materialProgram(screen, variant, true, false), materialProgram(screen, variant, false, false),
           materialProgram(screen, variant, true, true), materialProgram(screen, variant, false, true)};
-}
-
-void drawAt(const FullScreen& screen, const GlProgram& program, glm::vec2 lambda) {
-  glProgramUniform2f(program.name(), 0, lambda.x, lambda.y);
-  screen.draw(program);
-}
-
-double meanFetches(const FullScreen& screen, const GlProgram& program, glm::vec2 lambda) {
-  drawAt(screen, program, lambda);
-  double sum = 0;
-  const std::vector<glm::vec4> pixels = screen.read();
-  for (const glm::vec4& pixel : pixels) sum += pixel.w;
-  return sum / double(pixels.size());
 }
 
 void report(const FullScreen& screen, MaterialSystem& materials, const Subject& subject, const GlProgram& normal_map,

@@ -19,24 +19,6 @@ using namespace loden::runtime;
 constexpr glm::ivec2 kSize{400, 400};
 constexpr int kRounds = 15;
 
-const char kMaterial[] = R"(
-#include "loden_material.glsl"
-layout(location = 0) in vec2 uv;
-layout(location = 0) out vec4 color;
-layout(location = 0) uniform float lambda;
-void main() {
-  vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(uv - 0.5, 0.6));
-  LodenMaterial m = loden_material_default();
-#ifdef FULL_PARALLAX
-  m.skip_parallax = false;
-#endif
-  LodenHit h = loden_find_hit_at(m, uv * 5.0, lambda, wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
-#ifdef LODEN_COUNT_FETCHES
-  color.w = float(loden_fetches);
-#endif
-})";
-
 void printRow(const char* skip, const char* unit, double with, double without, double ms_with, double ms_without) {
   std::printf("%-34s %-14s %12.1f %12.1f %8.2f %8.2f %8.2f\n", skip, unit, with, without, ms_with, ms_without,
               ms_with > 0 ? ms_without / ms_with : 0.0);
@@ -51,15 +33,6 @@ struct ShaderSkip {
   const char* off;  // the define that switches it off
 };
 
-double meanFetches(const FullScreen& screen, const GlProgram& program, float lambda) {
-  glProgramUniform1f(program.name(), 0, lambda);
-  screen.draw(program);
-  double sum = 0;
-  const std::vector<glm::vec4> pixels = screen.read();
-  for (const glm::vec4& pixel : pixels) sum += pixel.w;
-  return sum / double(pixels.size());
-}
-
 void reportShaderSkip(MaterialSystem& materials, const FullScreen& screen, const ShaderSkip& skip) {
   const MaterialId id = require(materials.load(assetSource(skip.material), skip.name));
   materials.demand(id, 0);
@@ -69,17 +42,16 @@ void reportShaderSkip(MaterialSystem& materials, const FullScreen& screen, const
     variant.count_fetches = count;
     std::vector<std::string> defines = variantDefines(variant);
     if (off) defines.push_back(std::string(skip.off) + " 1");
-    return screen.program(kMaterial, defines);
+    return screen.program(kMaterialFragment, defines);
   };
   materials.bind(id);
   const GlProgram on = program(false, false), off = program(true, false);
-  const double with = meanFetches(screen, program(false, true), skip.lambda);
-  const double without = meanFetches(screen, program(true, true), skip.lambda);
+  const double with = meanFetches(screen, program(false, true), glm::vec2(skip.lambda));
+  const double without = meanFetches(screen, program(true, true), glm::vec2(skip.lambda));
   std::vector<std::function<void()>> tasks;
   for (const GlProgram* p : {&on, &off})
     tasks.push_back([&, p] {
-      glProgramUniform1f(p->name(), 0, skip.lambda);
-      screen.draw(*p);
+      drawAt(screen, *p, glm::vec2(skip.lambda));
     });
   const std::vector<double> ms = interleavedMedians(tasks, kRounds);
   printRow(skip.name, "fetches", with, without, ms[0], ms[1]);

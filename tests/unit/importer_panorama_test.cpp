@@ -7,17 +7,12 @@
 #include "importer/panorama_lights.h"
 #include "importer/random.h"
 #include "importer/trace.h"
+#include "tests/unit/panoramas.h"
 
 namespace loden::importer {
 namespace {
 
-Panorama panoramaOf(int height, const auto& radiance) {
-  Panorama panorama{2 * height, height, {}};
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < 2 * height; ++column)
-      panorama.pixels.push_back(radiance(panoramaDirection(panorama, column + 0.5, row + 0.5)));
-  return panorama;
-}
+using test::panoramaOf;
 
 TEST(PanoramaLights, MeanOfWeightsIsTheIrradiance) {
   // Light (1 + z, 1, 1 + x): irradiance over pi on the plane z = 0 is 1 + 2/3, 1, 1.

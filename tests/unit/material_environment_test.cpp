@@ -8,17 +8,12 @@
 
 #include "material/evaluate.h"
 #include "tests/unit/material_fixtures.h"
+#include "tests/unit/panoramas.h"
 
 namespace loden {
 namespace {
 
-Panorama panoramaOf(int height, const auto& radiance) {
-  Panorama panorama{2 * height, height, {}};
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < 2 * height; ++column)
-      panorama.pixels.push_back(radiance(panoramaDirection(panorama, column + 0.5, row + 0.5)));
-  return panorama;
-}
+using test::panoramaOf;
 
 // Sum over the hemisphere of visit(w) dw / pi.
 template <class Visit>

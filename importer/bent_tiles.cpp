@@ -49,6 +49,7 @@ struct BentTiles::Impl {
   };
   std::vector<glm::uvec3> triangles;
   std::vector<LocalBrdf> brdfs;
+  std::vector<glm::dvec3> flat_positions;  // before bending
   std::vector<Row> rows;
   std::vector<glm::dmat3> rotations;  // per column, world from the first column
   RTCDevice device = rtcNewDevice("isa=avx2");
@@ -115,11 +116,12 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   const Row& row = rows[ray.hit.geomID];
   const glm::uvec3 triangle = triangles[ray.hit.primID];
   const double b[3] = {1.0 - ray.hit.u - ray.hit.v, ray.hit.u, ray.hit.v};
-  glm::dvec3 position(0), normal(0), lift(0), diffuse(0), f0(0);
+  glm::dvec3 position(0), tile_position(0), normal(0), lift(0), diffuse(0), f0(0);
   double specular = 0, exponent = 0, alpha = 0;
   for (int k = 0; k < 3; ++k) {
     const LocalBrdf& brdf = brdfs[triangle[k]];
     position += b[k] * glm::dvec3(row.positions[triangle[k]]);
+    tile_position += b[k] * flat_positions[triangle[k]];
     normal += b[k] * glm::dvec3(row.normals[triangle[k]]);
     diffuse += b[k] * glm::dvec3(brdf.diffuse);
     specular += b[k] * brdf.specular;
@@ -139,6 +141,7 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   hit.normal = rotation * glm::normalize(normal);
   hit.geometric_normal = rotation * geometric;
   hit.ray_origin = rotation * (position + lift + kLift * geometric);
+  hit.tile_position = tile_position;
   hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent), glm::vec3(f0), static_cast<float>(alpha)};
   return hit;
 }
@@ -147,6 +150,7 @@ BentTiles::BentTiles(const Tile& tile, const AnalyticSurface& surface) : impl_(s
   LODEN_CHECK(impl_->device != nullptr);
   impl_->triangles = tile.triangles;
   impl_->brdfs = tile.brdfs;
+  impl_->flat_positions = tile.positions;
   impl_->bendRows(tile, surface);
   impl_->buildColumn();
   impl_->buildScene(static_cast<int>(surface.tiles.x));

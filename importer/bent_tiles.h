@@ -14,6 +14,7 @@ struct BentHit {
   glm::dvec3 normal{0};            // unit, shading
   glm::dvec3 geometric_normal{0};  // unit, by the triangle's winding: away from the surface
   glm::dvec3 ray_origin{0};        // where rays that leave the surface start (Hanika 2021)
+  glm::dvec3 tile_position{0};     // of the point before bending, in its own period: tile periods
   LocalBrdf brdf;
 };
 

@@ -171,6 +171,24 @@ V3<T> evaluateSurface(const SurfaceMaps& maps, const Hit<T>& hit, const V3<T>& w
   return (diffuse + strength * lobe) * std::max(glm::dot(normal, wi), T(0));
 }
 
+// A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus tilt.
+template <class T>
+V3<T> tilted(const V2<T>& tilt, const V3<T>& w) {
+  const V2<T> xy(w.x, w.y);
+  const V3<T> turned(xy - tilt * w.z, w.z + glm::dot(tilt, xy));
+  return turned / std::sqrt(glm::dot(turned, turned));
+}
+
+// Share of what is shown at this lambda that is read at p. Mirrors loden_parameter_share.
+template <class T>
+T parameterShare(const Material& material, T lambda) {
+  if (material.mode == Mode::kSurface) return T(1);
+  T share = 0;
+  for (const Band& band : material.bands)
+    if (band.domain == Domain::kFlat) share = std::max(share, windowWeight(band.window, lambda));
+  return share;
+}
+
 }  // namespace
 
 const char* modeName(Mode mode) {
@@ -198,13 +216,14 @@ T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
 }
 
 template <class T>
-T cosineFactor(const Material& material, const glm::vec<3, T>& wi) {
-  return material.cosine_included || material.mode == Mode::kSurface ? T(1) : std::max(wi.z, T(0));
+T cosineFactor(const Material& material, const glm::vec<3, T>& wi, const glm::vec<2, T>& tilt) {
+  return material.cosine_included || material.mode == Mode::kSurface ? T(1) : std::max(tilted(tilt, wi).z, T(0));
 }
 
 template <class T>
-Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax) const {
-  Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)}), 0, 0};
+Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax,
+                          const LocalSurface<T>& surface) const {
+  Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)})};
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
   if (lookup == Lookup::kPaper && material_->stored_vdim) {
@@ -214,17 +233,21 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
     const T fade = parallax == Parallax::kFaded ? parallaxFade(*material_, hit.lambda, wo) : T(1);
     if (!(fade > 0)) return hit;
     const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
-    const VdimHit<T> found = vdimLookup(atlas_, tier, x, wo);
+    const VdimHit<T> found = vdimLookup(atlas_, tier, x, wo, surface);
     hit.p = glm::mix(x, found.p, fade);
-    hit.depth = found.position.z * fade;
+    hit.depth = found.height * fade;
+    const T shown = fade * parameterShare(*material_, hit.lambda);
+    hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
+    hit.missed = found.missed && shown >= T(0.5);
     hit.fetches = found.fetches;
   }
   return hit;
 }
 
 template <class T>
-glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const {
+glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_ts, const glm::vec<3, T>& wo_ts) const {
   const Material& m = *material_;
+  const V3<T> wi = tilted(hit.tilt, wi_ts), wo = tilted(hit.tilt, wo_ts);
   if (wi.z <= 0 || wo.z <= 0) return V3<T>(0);
   if (m.mode == Mode::kSurface && m.surface) return evaluateSurface(*m.surface, hit, wi, wo);
 
@@ -281,10 +304,12 @@ glm::vec4 tableValue(const Material& material, const Band& band, int quad, const
 
 template float parallaxFade(const Material&, float, const glm::vec<3, float>&);
 template double parallaxFade(const Material&, double, const glm::vec<3, double>&);
-template float cosineFactor(const Material&, const glm::vec<3, float>&);
-template double cosineFactor(const Material&, const glm::vec<3, double>&);
-template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup, Parallax) const;
-template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup, Parallax) const;
+template float cosineFactor(const Material&, const glm::vec<3, float>&, const glm::vec<2, float>&);
+template double cosineFactor(const Material&, const glm::vec<3, double>&, const glm::vec<2, double>&);
+template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup, Parallax,
+                                         const LocalSurface<float>&) const;
+template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup, Parallax,
+                                         const LocalSurface<double>&) const;
 template glm::vec<3, float> Evaluator::evaluate(const Hit<float>&, const glm::vec<3, float>&, const glm::vec<3, float>&) const;
 template glm::vec<3, double> Evaluator::evaluate(const Hit<double>&, const glm::vec<3, double>&,
                                                  const glm::vec<3, double>&) const;

@@ -17,8 +17,10 @@ struct Hit {
   glm::vec<2, T> x{0};  // reference domain, tile periods
   glm::vec<2, T> p{0};  // parameter domain; equal to x without meso-geometry
   T lambda = 0;         // level of detail
-  T depth = 0;          // z of the hit, tile periods, <= 0
+  T depth = 0;          // height of the hit over the tangent plane at x, tile lengths, <= 0
   int fetches = 0;      // of the lookup
+  bool missed = false;  // the ray goes by a convex surface without meeting the tile
+  glm::vec<2, T> tilt{0};  // of the surface's normal at the hit against that at x, on a curved surface
 };
 
 // Which lookup finds p.
@@ -34,9 +36,9 @@ T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo);
 
 // cos(theta_i) where the asset's values leave it out, else 1:
 //   radiance = irradiance * value_scale * cosineFactor * Evaluator::evaluate
-// Mirrors loden_cosine_factor, which loden_evaluate multiplies by itself.
+// tilt: Hit::tilt. Mirrors loden_cosine_factor, which loden_evaluate multiplies by itself.
 template <class T>
-T cosineFactor(const Material& material, const glm::vec<3, T>& wi);
+T cosineFactor(const Material& material, const glm::vec<3, T>& wi, const glm::vec<2, T>& tilt = glm::vec<2, T>(0));
 
 // Keeps what is derived from a material: VDIM atlas, nearest-direction images. The material must outlive it.
 class Evaluator {
@@ -49,7 +51,7 @@ class Evaluator {
   // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0.
   template <class T>
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
-                 Parallax parallax = Parallax::kFull) const;
+                 Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;
 
   // Linear RGB as the asset stores it, white Lambert lit from above = 1; may be slightly negative where a fit
   // undershoots.

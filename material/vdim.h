@@ -61,6 +61,14 @@ glm::dvec3 vdimViewFromSquare(glm::dvec2 square);
 // Built with `threads` threads (0: all); the result does not depend on their number.
 VdimAtlas buildVdimAtlas(const GeometryImage& image, const GeometryTracer& tracer, VdimAtlasSize size, int threads = 0);
 
+// How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial). Lengths
+// are tile lengths: one tile period where texture coordinates are not stretched.
+template <class T>
+struct LocalSurface {
+  glm::mat<2, 2, T> curvature{T(0)};       // tilt of the normal per tile length, symmetric, positive if convex
+  glm::mat<2, 2, T> x_from_tangent{T(1)};  // tile periods per tile length along the tangent frame
+};
+
 enum class VdimTier : uint32_t {
   kFast,     // depths of the nearest direction, 5 candidates
   kDefault,  // of the 3 nearest directions, 16 candidates
@@ -70,14 +78,18 @@ enum class VdimTier : uint32_t {
 template <class T>
 struct VdimHit {
   glm::vec<2, T> p{0};        // of any copy: whole periods mean nothing
-  glm::vec<3, T> position{0};  // tile periods, on the view ray
+  glm::vec<3, T> position{0};  // tile periods, on the view ray; z below the reference surface
+  glm::vec<2, T> offset{0};    // of position from x
+  T height = 0;                // of it over the tangent plane at x, tile lengths; position.z where the surface is flat
   int fetches = 0;
   bool converged = false;
+  bool missed = false;  // the ray goes by a convex surface; p and position are near where it comes closest
 };
 
 // The shader's lookup, name for name (shaders/loden_vdim.glsl).
 template <class T>
-VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo);
+VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                      const LocalSurface<T>& surface = {});
 
 // The published lookup (FBTF 3.5): blended over directions, reference unfiltered; 2 fetches.
 template <class T>

@@ -17,6 +17,7 @@ constexpr int kPatches = 5;         // that one search visits at most
 // Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
 constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
 constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
+constexpr int kWaysOut = 3;                   // searches along a ray that leaves again
 constexpr float kNone = -1e8f;                // below every depth
 
 struct TierLimits {
@@ -28,18 +29,42 @@ TierLimits tierLimits(VdimTier tier) {
   return {3, 16};
 }
 
+// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent. Where
+// the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h slope from x along
+// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at z = -1 / (2 bend) and leaves again.
 template <class T>
 struct ViewRay {
   glm::vec<2, T> x;      // in [0, 1)^2
-  glm::vec<2, T> slope;  // X(z) = x + slope z
+  glm::vec<2, T> slope;  // wo.xy / wo.z, tile periods per tile length
+  glm::vec<2, T> turn;   // K slope, likewise
+  T bend;                // slope^T K slope
+  T branch = 1;          // 1 on the way in, -1 on the way out
+
+  // h where the ray is at height z; of its turning point if it never gets there.
+  T height(T z) const {
+    const T root = std::sqrt(std::max(T(1) + T(2) * bend * z, T(0)));
+    return branch > 0 ? T(2) * z / (T(1) + root) : -(T(1) + root) / bend;
+  }
+  // From x to there.
+  glm::vec<2, T> offset(T z) const { return (slope - z * turn) * height(z); }
 };
 
 template <class T>
-ViewRay<T> viewRay(glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+ViewRay<T> viewRay(const LocalSurface<T>& surface, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
   const T cosine = std::max(wo.z, T(std::cos(kThetaMax)));
   const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);
   const T scale = std::min(T(1), T(std::sin(kThetaMax)) / std::max(sine, T(1e-6)));
-  return {x - glm::floor(x), glm::vec<2, T>(wo.x, wo.y) * (scale / cosine)};
+  const glm::vec<2, T> slope = glm::vec<2, T>(wo.x, wo.y) * (scale / cosine);
+  const glm::vec<2, T> turn = surface.curvature * slope;
+  return {x - glm::floor(x), surface.x_from_tangent * slope, surface.x_from_tangent * turn, glm::dot(slope, turn)};
+}
+
+// The direction whose straight ray is nearest to this one: its chord down to half the depth range.
+template <class T>
+glm::vec<3, T> chord(const ViewRay<T>& ray, T range) {
+  const T z = std::max(T(-0.5) * range, T(-0.45) / std::max(ray.bend, T(1e-6)));
+  const glm::vec<2, T> slope = z < 0 ? ray.offset(z) / z : ray.slope;
+  return glm::vec<3, T>(slope, T(1)) / std::sqrt(T(1) + glm::dot(slope, slope));
 }
 
 // The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
@@ -101,7 +126,7 @@ enum class Meeting { kAway, kNear, kHere };
 template <class T>
 Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& z) {
   using V2 = glm::vec<2, T>;
-  const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - ray.slope * p.z - ray.x; };
+  const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - ray.offset(p.z) - ray.x; };
   const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
   const V2 q11 = shear(patch.p11) - q00 - q10 - q01;
   const V2 lower = ab - T(kReach), upper = ab + T(kReach);
@@ -116,11 +141,11 @@ Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>&
   }
   z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
   if (patch.chart == 0) return Meeting::kNear;
-  if (!(det > 0)) return Meeting::kAway;
+  if (!(det * ray.branch > 0)) return Meeting::kAway;
   const V2 centred = glm::abs(ab - T(0.5));
   const V2 residual = glm::abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
   const bool here = std::max(centred.x, centred.y) <= T(0.5) + T(kInside) &&
-                    std::max(residual.x, residual.y) * side <= T(kResidual);
+                    std::max(residual.x, residual.y) * side <= T(kResidual) && T(1) + T(2) * ray.bend * z > 0;
   return here ? Meeting::kHere : Meeting::kNear;
 }
 
@@ -131,7 +156,7 @@ void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T z, glm:
                 VdimHit<T>& hit) {
   using V2 = glm::vec<2, T>;
   const T n = T(geometry.side());
-  const V2 point = ray.x + ray.slope * z;
+  const V2 point = ray.x + ray.offset(z);
   int left = kPatches;
   do {
     const V2 texel = p * n - T(0.5), base = glm::floor(texel);
@@ -144,7 +169,7 @@ void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T z, glm:
     p = (base + ab + T(0.5)) / n;
     if (meeting == Meeting::kHere) {
       hit.p = p + shift;
-      hit.position = glm::vec<3, T>(ray.x + ray.slope * hit_z, hit_z);
+      hit.position.z = hit_z;
       hit.converged = true;
     }
     left = hit.converged || (meeting == Meeting::kAway && !patient) ? 0 : left - 1;
@@ -186,38 +211,48 @@ T clusterMean(const Depths<T>& depths, T low, glm::vec<2, T> f, const T (&layer_
 }  // namespace
 
 template <class T>
-VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
-  const ViewRay<T> ray = viewRay(x, wo);
-  const NearestLayers<T> nearest = nearestLayers(atlas.size.directions, vdimSquareFromView(wo));
+VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                      const LocalSurface<T>& surface) {
+  ViewRay<T> ray = viewRay(surface, x, wo);
+  const NearestLayers<T> nearest =
+      nearestLayers(atlas.size.directions, vdimSquareFromView(chord(ray, T(atlas.geometry.range.z))));
   const TierLimits limits = tierLimits(tier);
   Depths<T> depths{{}, limits.layers};
   for (int l = 0; l < limits.layers; ++l) depths.layer[l] = gatherDepths(atlas, nearest.index[l], ray.x);
   VdimHit<T> hit;
   hit.fetches = limits.layers;
   // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
-  // then these once more with patience. The first search that converges wins.
+  // then these once more with patience; then along the way out. The first search that converges wins.
   const T range = T(atlas.geometry.range.z);
   const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
   T z = clusterMean(depths, highestBelow(depths, T(1)) - T(kCluster) * range, f, nearest.weight);
   // Where searches that fail end up means nothing; the blended depth is near.
-  hit.p = parameterNear(atlas, ray.x + ray.slope * z, z);
-  hit.position = glm::vec<3, T>(ray.x + ray.slope * z, z);
+  hit.p = parameterNear(atlas, ray.x + ray.offset(z), z);
+  hit.position.z = z;
   T below = T(1);
+  const T turning = T(-0.5) / std::max(ray.bend, T(1e-6));
   bool patient = false;
-  int left = limits.candidates;
+  int ways_out = turning > -range ? kWaysOut : 0;
+  int left = limits.candidates + ways_out;
   do {
     hit.fetches += atlas.volume.empty() ? 0 : 1;
-    searchFrom(atlas.geometry, ray, z, parameterNear(atlas, ray.x + ray.slope * z, z), patient, hit);
+    searchFrom(atlas.geometry, ray, z, parameterNear(atlas, ray.x + ray.offset(z), z), patient, hit);
     const T next = highestBelow(depths, below);
-    const bool exhausted = next < T(kNone);
-    left = hit.converged || (exhausted && patient) ? 0 : left - 1;
+    const bool exhausted = next < T(kNone), leaves = exhausted && patient && ways_out > 0;
+    left = hit.converged || (exhausted && patient && !leaves) ? 0 : left - 1;
     patient = patient || exhausted;
-    z = exhausted ? highestBelow(depths, T(1)) : next;
+    z = leaves ? turning * T(ways_out) / T(kWaysOut) : exhausted ? highestBelow(depths, T(1)) : next;
+    ways_out -= leaves ? 1 : 0;
+    if (leaves && left > 0) ray.branch = -1;
     below = z - T(kSeparation) * range;
   } while (left > 0);
+  hit.missed = !hit.converged && ray.branch < 0 && highestBelow(depths, T(1)) < turning;
+  if (!hit.converged) ray.branch = 1;
   const glm::vec<2, T> base = glm::floor(x);
   hit.p += base;
-  hit.position += glm::vec<3, T>(base, 0);
+  hit.offset = ray.offset(hit.position.z);
+  hit.position = glm::vec<3, T>(ray.x + hit.offset + base, hit.position.z);
+  hit.height = ray.height(hit.position.z);
   return hit;
 }
 
@@ -240,8 +275,8 @@ glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const gl
   return x + reference + (length > T(1e-6) ? direction / length : V2(0)) * (entry.z * T(vdim.range.y));
 }
 
-template VdimHit<float> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, float>, const glm::vec<3, float>&);
-template VdimHit<double> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, double>, const glm::vec<3, double>&);
+template VdimHit<float> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, float>, const glm::vec<3, float>&, const LocalSurface<float>&);
+template VdimHit<double> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, double>, const glm::vec<3, double>&, const LocalSurface<double>&);
 template glm::vec<2, float> paperVdimLookup(const PaperVdim&, glm::vec<2, float>, const glm::vec<3, float>&);
 template glm::vec<2, double> paperVdimLookup(const PaperVdim&, glm::vec<2, double>, const glm::vec<3, double>&);
 

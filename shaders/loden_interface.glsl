@@ -40,20 +40,27 @@ LODEN_BINDING(LODEN_UNIT_DIFFUSE) uniform sampler2DArray loden_diffuse;
 LODEN_BINDING(LODEN_UNIT_SPECULAR) uniform sampler2DArray loden_specular;
 #endif
 
-// State of one drawn instance, next to the material's block.
+// State of one drawn instance, or of one shading point, next to the material's block.
 struct LodenMaterial {
   float lambda_min;    // finest level that is resident; finer requests show this one
   float lambda_bias;   // added to the footprint's lambda
   float distance_;     // above 0: lambda by LBTF's distance rule, in units at which a texel covers a pixel
   bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
+  // What loden_follow_surface finds out; the defaults stand for a flat surface with unstretched texture coordinates.
+  mat2 curvature;       // of the reference surface: tilt of the normal per tile length, symmetric, positive if convex
+  mat2 x_from_tangent;  // tile periods per tile length along the tangent frame
 };
 
-LodenMaterial loden_material_default() { return LodenMaterial(loden_material.mean_chroma.z, 0.0, 0.0, true); }
+LodenMaterial loden_material_default() {
+  return LodenMaterial(loden_material.mean_chroma.z, 0.0, 0.0, true, mat2(0.0), mat2(1.0));
+}
 
 // One shading point, shared by all lights.
 struct LodenHit {
   vec2 x;        // reference domain, tile periods
   vec2 p;        // parameter domain
   float lambda;  // level of detail
-  float depth;   // z of the hit, tile periods, <= 0
+  float depth;   // height of the hit over the tangent plane at x, tile lengths, <= 0
+  vec2 tilt;     // of the surface's normal there against that at x, on a curved surface
+  bool missed;   // the ray goes by a convex surface without meeting the tile: what stands behind it is seen
 };

@@ -10,6 +10,7 @@
 //
 // Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
 //   LodenMaterial m = loden_material_default();
+//   loden_follow_surface(m, ...);                                          where the surface is curved
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
 //   radiance += irradiance * value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
@@ -38,6 +39,22 @@ int loden_footprint_taps(vec2 dx, vec2 dy, out vec2 step_) {
   return max(xx, yy) > 2.25 * min(xx, yy) ? 2 : 1;
 }
 
+// Tells m how the reference surface bends and how x lies on it, from screen-space derivatives of x, and of position
+// (in tile lengths) and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature for
+// this; here the view ray bends instead, in the lookup.
+void loden_follow_surface(inout LodenMaterial m, vec2 dx, vec2 dy, vec3 dp_dx, vec3 dp_dy, vec3 dn_dx, vec3 dn_dy) {
+  float det = dp_dx.x * dp_dy.y - dp_dx.y * dp_dy.x;
+  float area = sqrt(dot(dp_dx, dp_dx) * dot(dp_dy, dp_dy));
+  if (!(abs(det) > 1e-3 * area)) return;  // seen edge on
+  mat2 screen_from_tangent = mat2(dp_dy.y, -dp_dx.y, -dp_dy.x, dp_dx.x) * (1.0 / det);
+  mat2 x_from_tangent = mat2(dx, dy) * screen_from_tangent, k = mat2(dn_dx.xy, dn_dy.xy) * screen_from_tangent;
+  float mixed = 0.5 * (k[0].y + k[1].x);
+  vec3 bounded = clamp(vec3(k[0].x, mixed, k[1].y), -LODEN_MAX_CURVATURE, LODEN_MAX_CURVATURE);
+  m.curvature = mat2(bounded.xy, bounded.yz);
+  float stretch = determinant(x_from_tangent);
+  if (stretch > 1.0 / LODEN_MAX_STRETCH && stretch < LODEN_MAX_STRETCH) m.x_from_tangent = x_from_tangent;
+}
+
 // LBTF 3.4, step 2; distance in units at which one texel covers one pixel.
 float loden_lambda_from_distance(float distance_) { return log2(max(distance_, 1e-6)); }
 
@@ -51,16 +68,16 @@ float loden_parallax_fade(float lambda, vec3 wo) {
   return clamp(4.0 * texels - 1.0, 0.0, 1.0);
 }
 
-// True if anything shown at this lambda is read at p.
-bool loden_needs_parameter(float lambda) {
-#if defined(LODEN_MODE_SURFACE) || defined(LODEN_ALWAYS_LOOKUP)
-  return true;
+// Share of what is shown at this lambda that is read at p; 0: nobody asks for it.
+float loden_parameter_share(float lambda) {
+#ifdef LODEN_MODE_SURFACE
+  return 1.0;
 #else
-  bool needed = false;
+  float share = 0.0;
   for (int b = 0; b < LODEN_BANDS; ++b)
-    needed = needed || ((loden_material.bands[b].layout_.x & LODEN_BAND_FLAT) != 0 &&
-                        loden_window_weight(loden_material.bands[b].window, lambda) > 0.0);
-  return needed;
+    if ((loden_material.bands[b].layout_.x & LODEN_BAND_FLAT) != 0)
+      share = max(share, loden_window_weight(loden_material.bands[b].window, lambda));
+  return share;
 #endif
 }
 
@@ -69,6 +86,8 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.x = x;
   hit.p = x;
   hit.depth = 0.0;
+  hit.tilt = vec2(0.0);
+  hit.missed = false;
   hit.lambda = max(max(lambda, m.lambda_min), 0.0);
   if ((loden_material.flags.x & LODEN_CLAMP_LAMBDA) != 0) hit.lambda = min(hit.lambda, loden_material.surface.w);
 #if defined(LODEN_LOOKUP_PAPER)
@@ -76,10 +95,17 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
 #elif defined(LODEN_LOOKUP_DEFAULT) || defined(LODEN_LOOKUP_FAST)
   float fade = m.skip_parallax ? loden_parallax_fade(hit.lambda, wo) : 1.0;
   fade *= loden_material.mean_chroma.w;  // 0 until geometry and VDIM are resident
-  if (fade > 0.0 && loden_needs_parameter(hit.lambda)) {
-    LodenVdimHit found = loden_vdim_lookup(x, wo);
+  float share = loden_parameter_share(hit.lambda);
+#ifdef LODEN_ALWAYS_LOOKUP
+  if (fade > 0.0) {
+#else
+  if (fade > 0.0 && share > 0.0) {
+#endif
+    LodenVdimHit found = loden_vdim_lookup(m, x, wo);
     hit.p = mix(x, found.p, fade);
-    hit.depth = found.position.z * fade;
+    hit.depth = found.height * fade;
+    hit.tilt = m.curvature * (inverse(m.x_from_tangent) * found.offset) * (fade * share);
+    hit.missed = found.missed && fade * share >= 0.5;
   }
 #endif
   return hit;
@@ -136,6 +162,12 @@ vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
 }
 #endif
 
+// A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus tilt.
+vec3 loden_tilted(vec2 tilt, vec3 w) {
+  vec3 turned = vec3(w.xy - tilt * w.z, w.z + dot(tilt, w.xy));
+  return turned / sqrt(dot(turned, turned));
+}
+
 // cos(theta_i) where the asset's values leave it out, else 1.
 float loden_cosine_factor(vec3 wi_ts) {
 #ifdef LODEN_MODE_SURFACE
@@ -148,6 +180,8 @@ float loden_cosine_factor(vec3 wi_ts) {
 // Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's values
 // leave the cosine out.
 vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
+  wi_ts = loden_tilted(hit.tilt, wi_ts);
+  wo_ts = loden_tilted(hit.tilt, wo_ts);
   if (wi_ts.z <= 0.0 || wo_ts.z <= 0.0) return vec3(0.0);
 #ifdef LODEN_MODE_SURFACE
   return loden_evaluate_surface(hit, wi_ts, wo_ts);

@@ -8,6 +8,7 @@ const float LODEN_RESIDUAL = 0.2;            // texels
 const int LODEN_PATCHES = 5;
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
+const int LODEN_WAYS_OUT = 3;                // searches along a ray that leaves again
 const float LODEN_NONE = -1e8;               // below every depth
 
 #ifdef LODEN_LOOKUP_FAST
@@ -19,19 +20,47 @@ const int LODEN_LAYERS = 3, LODEN_CANDIDATES = 16;
 struct LodenVdimHit {
   vec2 p;        // unwrapped
   vec3 position;  // tile periods
+  vec2 offset;    // of it from x
+  float height;   // of it, above the tangent plane at x
   bool converged;
+  bool missed;    // the ray goes by a convex surface
 };
 
+// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent. Where
+// the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h slope from x along
+// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at z = -1 / (2 bend) and leaves again.
 struct LodenViewRay {
-  vec2 x;      // in [0, 1)^2
-  vec2 slope;  // X(z) = x + slope z
+  vec2 x;       // in [0, 1)^2
+  vec2 slope;   // wo.xy / wo.z, tile periods per tile length
+  vec2 turn;    // K slope, likewise
+  float bend;   // slope^T K slope
+  float branch;  // 1 on the way in, -1 on the way out
 };
 
-LodenViewRay loden_view_ray(vec2 x, vec3 wo) {
+LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
   float cosine = max(wo.z, LODEN_VDIM_COS);
   float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
   float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
-  return LodenViewRay(x - floor(x), wo.xy * (scale / cosine));
+  vec2 slope = wo.xy * (scale / cosine);
+  vec2 turn = m.curvature * slope;
+  return LodenViewRay(x - floor(x), m.x_from_tangent * slope, m.x_from_tangent * turn, dot(slope, turn), 1.0);
+}
+
+// h where the ray is at height z; of its turning point if it never gets there.
+float loden_ray_height(LodenViewRay ray, float z) {
+  float root = sqrt(max(1.0 + 2.0 * ray.bend * z, 0.0));
+  return ray.branch > 0.0 ? 2.0 * z / (1.0 + root) : -(1.0 + root) / ray.bend;
+}
+
+// From x to there.
+vec2 loden_ray_offset(LodenViewRay ray, float z) { return (ray.slope - z * ray.turn) * loden_ray_height(ray, z); }
+
+// The direction whose straight ray is nearest to this one: its chord down to half the depth range.
+vec3 loden_chord(LodenViewRay ray) {
+  float z = -0.5 * loden_material.geometry.z;
+  z = max(z, -0.45 / max(ray.bend, 1e-6));
+  vec2 slope = z < 0.0 ? loden_ray_offset(ray, z) / z : ray.slope;
+  return vec3(slope, 1.0) / sqrt(1.0 + dot(slope, slope));
 }
 
 // The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
@@ -106,7 +135,7 @@ LodenPatch loden_fetch_patch(vec2 base) {
   return patch_;
 }
 
-vec2 loden_shear(vec3 p, vec2 shift, LodenViewRay ray) { return p.xy + shift - ray.slope * p.z - ray.x; }
+vec2 loden_shear(vec3 p, vec2 shift, LodenViewRay ray) { return p.xy + shift - loden_ray_offset(ray, p.z) - ray.x; }
 
 // One step of Newton's method on Q(a, b) = q00 + q10 a + q01 b + q11 a b = 0, kept within the bounds. Returns
 // det Q', which has the sign of N.wo.
@@ -137,9 +166,10 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
   z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
   vec2 centred = abs(ab - 0.5);
   vec2 residual = abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
-  bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && max(residual.x, residual.y) * side <= LODEN_RESIDUAL;
+  bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && max(residual.x, residual.y) * side <= LODEN_RESIDUAL &&
+              1.0 + 2.0 * ray.bend * z > 0.0;
   if (!patch_.exists) return LODEN_NEAR;
-  return det > 0.0 ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
+  return det * ray.branch > 0.0 ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
 }
 
 // Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
@@ -148,7 +178,7 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
 // anything else, also to invocations that left before.
 void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found) {
   float n = loden_material.geometry.w;
-  vec2 point = ray.x + ray.slope * z;
+  vec2 point = ray.x + loden_ray_offset(ray, z);
   int left = LODEN_PATCHES;
   do {
     vec2 texel = p * n - 0.5, base = floor(texel);
@@ -195,9 +225,9 @@ float loden_cluster_mean(LodenDepths depths, float low, vec2 f, vec3 layer_weigh
   return sum / max(weight, 1e-9);
 }
 
-LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
-  LodenViewRay ray = loden_view_ray(x, wo);
-  LodenNearestLayers nearest = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(wo));
+LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
+  LodenViewRay ray = loden_view_ray(m, x, wo);
+  LodenNearestLayers nearest = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(loden_chord(ray)));
   LodenDepths depths;
   depths.layer[0] = loden_gather_depths(nearest.index.x, ray.x);
 #ifndef LODEN_LOOKUP_FAST
@@ -205,32 +235,39 @@ LodenVdimHit loden_vdim_lookup(vec2 x, vec3 wo) {
   depths.layer[2] = loden_gather_depths(nearest.index.z, ray.x);
 #endif
   // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
-  // then these once more with patience. The first search that converges wins.
+  // then these once more with patience; then along the way out. The first search that converges wins.
   float range = loden_material.geometry.z;
   float top = loden_highest_below(depths, 1.0);
   vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
   float z = loden_cluster_mean(depths, top - LODEN_CLUSTER * range, f, nearest.weight);
   // Where searches that fail end up means nothing; the blended depth is near.
-  vec2 p = loden_parameter_near(ray.x + ray.slope * z, z);
+  vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, z), z);
   vec4 found = vec4(p, z, 0.0);
-  float below = 1.0;
+  float below = 1.0, turning = -0.5 / max(ray.bend, 1e-6);
   bool patient = false;
-  int left = LODEN_CANDIDATES;
+  int ways_out = turning > -range ? LODEN_WAYS_OUT : 0;
+  int left = LODEN_CANDIDATES + ways_out;
   do {
     loden_search_from(ray, z, p, patient, found);
     float next = loden_highest_below(depths, below);
-    bool exhausted = next < LODEN_NONE;
-    left = found.w > 0.0 || (exhausted && patient) ? 0 : left - 1;
+    bool exhausted = next < LODEN_NONE, leaves = exhausted && patient && ways_out > 0;
+    left = found.w > 0.0 || (exhausted && patient && !leaves) ? 0 : left - 1;
     patient = patient || exhausted;
-    z = exhausted ? top : next;
+    z = leaves ? turning * float(ways_out) / float(LODEN_WAYS_OUT) : exhausted ? top : next;
+    ways_out -= leaves ? 1 : 0;
+    ray.branch = leaves && left > 0 ? -1.0 : ray.branch;
     below = z - LODEN_SEPARATION * range;
-    if (left > 0) p = loden_parameter_near(ray.x + ray.slope * z, z);
+    if (left > 0) p = loden_parameter_near(ray.x + loden_ray_offset(ray, z), z);
   } while (left > 0);
   LodenVdimHit hit;
   hit.converged = found.w > 0.0;
+  hit.missed = !hit.converged && ray.branch < 0.0 && top < turning;
+  ray.branch = hit.converged ? ray.branch : 1.0;
   vec2 base = floor(x);
   hit.p = found.xy + base;
-  hit.position = vec3(ray.x + ray.slope * found.z + base, found.z);
+  hit.offset = loden_ray_offset(ray, found.z);
+  hit.position = vec3(ray.x + hit.offset + base, found.z);
+  hit.height = loden_ray_height(ray, found.z);
   return hit;
 }
 

@@ -31,6 +31,15 @@ mat3 tangentFrame() {
   return mat3(t, sign_ * cross(n, t), n);
 }
 
+// The tile length is object.tile.x metres.
+SurfaceShape surfaceShape(mat3 frame) {
+  vec3 n = normalize(normal_ws);
+  float side = dot(frame[2], n) < 0.0 ? -1.0 : 1.0;  // double-sided surfaces, seen from behind
+  float scale = 1.0 / object.tile.x;
+  return SurfaceShape(dFdx(position_ws) * frame * scale, dFdy(position_ws) * frame * scale, dFdx(n) * frame * side,
+                      dFdy(n) * frame * side);
+}
+
 // The direction in the tangent frame, kept above the horizon: interpolated normals may face away at silhouettes.
 vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
   vec3 wo = wo_ws * frame;

@@ -7,11 +7,12 @@
 
 layout(location = 0) out vec4 color;
 // Radiance towards the viewer from the surface at tile coordinate x, all lights together.
-vec3 shade(vec2 x, vec2 dx, vec2 dy, mat3 frame, vec3 wo_ws, vec3 wo) {
-  SurfacePoint point = surfacePoint(x, dx, dy, wo);
+vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws, vec3 wo) {
+  SurfacePoint point = surfacePoint(x, dx, dy, shape, wo);
   float z = 0.0;
   vec3 position = position_ws;
 #ifdef SCENE_PARALLAX_DEPTH
+  if (surfaceMissed(point)) discard;
   z = surfaceDepth(point);
   position = displacedPosition(wo_ws, wo, z);
   gl_FragDepth = depthOf(position);
@@ -45,6 +46,7 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, mat3 frame, vec3 wo_ws, vec3 wo) {
 void main() {
   vec2 dx = dFdx(tile_x), dy = dFdy(tile_x);
   mat3 frame = tangentFrame();
+  SurfaceShape shape = surfaceShape(frame);
   vec3 wo_ws = normalize(scene.camera_exposure.xyz - position_ws);
   vec3 wo = viewInFrame(frame, wo_ws);
   vec2 step_;
@@ -52,7 +54,7 @@ void main() {
   vec3 sum = vec3(0.0);
   do {
     vec2 x = tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_;
-    sum += shade(x, dx, dy, frame, wo_ws, wo);
+    sum += shade(x, dx, dy, shape, frame, wo_ws, wo);
   } while (++tap < taps);
   color = vec4(sceneTone(object.emissive_roughness.rgb + sum / float(taps)), 1.0);
 }

@@ -1,5 +1,10 @@
 // How a surface answers to light: radiance = irradiance * surfaceRadiance. One of two.
 
+// Screen-space derivatives of a mesh, in its tangent frame: of position (tile lengths) and unit normal.
+struct SurfaceShape {
+  vec3 dp_dx, dp_dy, dn_dx, dn_dy;
+};
+
 #if defined(LODEN_BANDS) || defined(LODEN_MODE_SURFACE)
 #include "loden_shared.h"
 #include "loden_interface.glsl"
@@ -13,11 +18,12 @@ struct SurfacePoint {
   LodenHit hit;
 };
 
-SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
+SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo) {
   SurfacePoint point;
   point.material = loden_material_default();
   point.material.lambda_min = loden_material.mean_chroma.z;
   point.material.lambda_bias = scene.lambda.y;
+  loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
 #ifdef SCENE_PARALLAX_DEPTH
   point.material.skip_parallax = false;  // seen from above a relief moves nothing sideways, but is deep all the same
 #endif
@@ -31,8 +37,11 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
 // Evaluations that the footprint needs, and the step between them.
 int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) { return loden_footprint_taps(dx, dy, step_); }
 
-// z of the hit below the mesh, tile periods.
+// Height of the hit over the tangent plane, tile lengths, <= 0.
 float surfaceDepth(SurfacePoint point) { return point.hit.depth; }
+
+// True where the view ray leaves the tile again without meeting it.
+bool surfaceMissed(SurfacePoint point) { return point.hit.missed; }
 
 // Per unit irradiance; not negative, which a fit may be where it undershoots.
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
@@ -54,7 +63,7 @@ struct SurfacePoint {
 
 const float kPi = 3.14159265;
 
-SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, vec3 wo) {
+SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo) {
   vec3 base = object.base_color_metallic.rgb;
   float metallic = object.base_color_metallic.a;
   float roughness = max(object.emissive_roughness.a, 0.05);
@@ -67,6 +76,8 @@ int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) {
 }
 
 float surfaceDepth(SurfacePoint point) { return 0.0; }
+
+bool surfaceMissed(SurfacePoint point) { return false; }
 
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);

@@ -69,6 +69,7 @@ std::string studyTable(const StudyRows& rows);
 // Entry points, one file each.
 Result<StudyRows> studyFlatReconstruction(const StudyOptions& options);
 Result<StudyRows> studyVdimInterpolation(const StudyOptions& options);
+Result<StudyRows> studyCurvedLookup(const StudyOptions& options);
 Result<StudyRows> studyViewCoherence(const StudyOptions& options);
 Result<StudyRows> studyAbrdfSize(const StudyOptions& options);
 Result<StudyRows> studyLodFit(const StudyOptions& options);

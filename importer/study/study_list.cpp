@@ -6,6 +6,7 @@ namespace {
 constexpr Study kStudies[] = {
     {"flat-reconstruction", "reference BTF against the Flat-BTF read back (FBTF table 1)", studyFlatReconstruction},
     {"vdim-interpolation", "looked-up against traced parameters between the views (FBTF figure 10)", studyVdimInterpolation},
+    {"curved-lookup", "the lookup on a cylinder and a sphere against the bent tile (FBTF section 3.1)", studyCurvedLookup},
     {"view-coherence", "how much a texel's light vector changes with the view (FBTF table 2)", studyViewCoherence},
     {"abrdf-size", "PNG and JPEG bytes of every texel's ABRDF (FBTF table 3)", studyAbrdfSize},
     {"lod-fit", "error per channel against components, mode and bytes (LBTF table 1, figure 6)", studyLodFit},

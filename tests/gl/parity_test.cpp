@@ -49,6 +49,8 @@ void main() {
   vec3 wi = texelFetch(samples, ivec3(at, 1), 0).xyz, wo = texelFetch(samples, ivec3(at, 2), 0).xyz;
   LodenMaterial m = loden_material_default();
   m.skip_parallax = SKIP_PARALLAX;
+  m.curvature = mat2(CURVATURE);
+  m.x_from_tangent = mat2(X_FROM_TANGENT);
   LodenHit hit = loden_find_hit_at(m, x.xy, x.z, wo);
 #ifdef ENVIRONMENT
   LodenHemisphere light = loden_hemisphere_light(environment, mat3(1.0));
@@ -70,7 +72,17 @@ struct Way {
   Lookup lookup = Lookup::kDefault;
   Parallax parallax = Parallax::kFull;
   bool environment = false;  // loden_evaluate_environment instead of loden_evaluate
+  bool curved = false;       // on the surface below instead of a plane
 };
+
+// Convex, with stretched and sheared texture coordinates.
+LocalSurface<float> localSurface(const Way& way) {
+  if (!way.curved) return {};
+  return {glm::mat2(0.3f, 0.05f, 0.05f, 0.2f), glm::mat2(1.2f, 0.1f, -0.05f, 0.9f)};
+}
+std::string matrixText(const glm::mat2& m) {
+  return std::to_string(m[0].x) + ", " + std::to_string(m[0].y) + ", " + std::to_string(m[1].x) + ", " + std::to_string(m[1].y);
+}
 
 // Some light from all around, as the shader takes it.
 constexpr glm::vec4 kEnvironment[9] = {{0.3f, -0.2f, 0.4f, 0.9f},  {0.2f, -0.3f, 0.1f, 0}, {0.15f, -0.2f, 0.05f, 0},
@@ -137,6 +149,8 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   std::vector<std::string> defines = variantDefines((*system)->variant(*id));
   defines.push_back(std::string("SKIP_PARALLAX ") + (way.parallax == Parallax::kFaded ? "true" : "false"));
   if (way.environment) defines.push_back("ENVIRONMENT 1");
+  defines.push_back("CURVATURE " + matrixText(localSurface(way).curvature));
+  defines.push_back("X_FROM_TANGENT " + matrixText(localSurface(way).x_from_tangent));
   const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
   EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
   const RenderTarget target = makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
@@ -160,9 +174,9 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
 
 // What the shader returns.
 glm::vec3 evaluateAt(const Evaluator& evaluator, glm::vec2 x, const Sample& s, const Way& way) {
-  const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax);
+  const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way));
   if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(), s.wo);
-  return evaluator.evaluate(hit, s.wi, s.wo) * cosineFactor(evaluator.material(), s.wi);
+  return evaluator.evaluate(hit, s.wi, s.wo) * cosineFactor(evaluator.material(), s.wi, hit.tilt);
 }
 
 // The smallest difference to the evaluator's values around the sample.
@@ -248,10 +262,12 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
   for (const Case& c : {Case{"surface", Mode::kSurface, Preset::kGame, {}},
                         Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, {Lookup::kFast}},
                         Case{"surface, faded", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}},
+                        Case{"surface, curved", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, false, true}},
                         Case{"lod as published", Mode::kLod, Preset::kSeed, {Lookup::kNone}},
                         Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, {Lookup::kNone}},
                         Case{"lod without the cosine", Mode::kLod, Preset::kGame, {Lookup::kNone}, false},
                         Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
+                        Case{"fused, curved", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFaded, false, true}},
                         Case{"surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
                         Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
                         Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},

@@ -257,5 +257,66 @@ TEST(PaperVdim, ReturnsStoredViewsExactly) {
     }
 }
 
+// On a cylinder: what the lookup finds lies on the bent tile, on the straight ray of the world, and nothing is before it.
+TEST(VdimLookup, FollowsTheRayOverACurvedSurface) {
+  // Tile periods; the axis is across the waves, so that rays leave along valleys.
+  constexpr double kHeight = 0.3;
+  const double curvature = 0.25, radius = 1 / curvature;
+  const GeometryImage image = waveImage(128, kHeight, 0);
+  const GeometryTracer tracer(image);
+  const VdimAtlas atlas = buildVdimAtlas(image, tracer, {});
+  const LocalSurface<double> surface{glm::dmat2(0, 0, 0, curvature), glm::dmat2(1)};
+  // Of a point, seen from the point of the surface that is looked at: x along the cylinder, y around it, z over it.
+  const auto unbent = [&](const glm::dvec3& p) {
+    return glm::dvec3(p.x, radius * std::atan2(p.y, radius + p.z), std::hypot(p.y, radius + p.z) - radius);
+  };
+  const auto below = [&](glm::dvec2 x0, const glm::dvec3& p) {  // how far a point is below the wave
+    const glm::dvec3 q = unbent(p);
+    return wavePoint({x0.x + q.x, x0.y + q.y}, kHeight, 0).z - q.z;
+  };
+  int straight_off = 0, bent_off = 0, missed = 0, missed_found = 0, seen = 0, seen_missed = 0;
+  for (const View& view : randomViews(4000, 85)) {
+    // The first point of the ray below the wave, by small steps.
+    double along = 0;
+    bool hit = false;
+    for (; along > -4 && !hit; along -= 0.001) {
+      const glm::dvec3 point = view.wo * along;
+      hit = below(view.x, point) >= 0;
+      if (!hit && unbent(point).z > 0.01) break;  // it has left
+    }
+    const auto bent = vdimLookup(atlas, VdimTier::kDefault, view.x, view.wo, surface);
+    if (!hit) {
+      missed += 1, missed_found += !bent.missed;
+      continue;
+    }
+    const glm::dvec2 truth = view.x + glm::dvec2(unbent(view.wo * along));
+    const auto straight = vdimLookup(atlas, VdimTier::kDefault, view.x, view.wo);
+    const auto off = [&](const VdimHit<double>& found) { return glm::distance(glm::dvec2(found.position), truth) > 1.0 / 64; };
+    seen += 1, seen_missed += bent.missed, straight_off += off(straight), bent_off += off(bent);
+  }
+  ASSERT_GT(missed, 50);
+  // Rays that come close to the surface without meeting it are told apart by the search's own tolerance of .2 texels.
+  EXPECT_LT(missed_found, missed / 3) << "of " << missed << " rays that go by";
+  EXPECT_LT(seen_missed, seen / 50) << "of " << seen << " rays that meet the tile";
+  // A texel of 64 off: the second-order model of the bend, and what the search loses on a plane already.
+  EXPECT_LT(bent_off, seen / 12) << "of " << seen;
+  EXPECT_LT(bent_off * 3, straight_off) << "of " << seen << "; bent " << bent_off << ", straight " << straight_off;
+}
+
+// Stretched texture coordinates: twice as many periods per length along x move the hit twice as far.
+TEST(VdimLookup, FollowsStretchedCoordinates) {
+  const GeometryImage image = waveImage(64, 0.1, 0);
+  const VdimAtlas atlas = buildVdimAtlas(image, GeometryTracer(image), {});
+  const LocalSurface<double> stretched{glm::dmat2(0), glm::dmat2(2, 0, 0, 1)};
+  for (const View& view : randomViews(200, 60)) {
+    const auto found = vdimLookup(atlas, VdimTier::kDefault, view.x, view.wo, stretched);
+    if (!found.converged) continue;
+    const glm::dvec2 slope(view.wo.x / view.wo.z, view.wo.y / view.wo.z);
+    EXPECT_NEAR(found.offset.x, 2 * slope.x * found.position.z, 1e-9);
+    EXPECT_NEAR(found.offset.y, slope.y * found.position.z, 1e-9);
+    EXPECT_NEAR(found.position.z, surfaceAt(image, found.p).position.z, 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace loden

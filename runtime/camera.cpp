@@ -16,14 +16,18 @@ float distanceTo(const Bounds& box, const glm::vec3& point) {
   return glm::length(point - glm::clamp(point, box.min, box.max));
 }
 
-struct TriangleDensity {
-  float periods_per_metre = 0;
-  float area = 0;  // square metres
+// x as a function of a triangle's plane.
+struct TriangleUvs {
+  float most = 0, least = 0;  // singular values: tile periods per metre
+  float area = 0;             // square metres
+  // What a square pixel's footprint is judged by.
+  float density() const { return std::max(least, 0.5f * most); }
 };
 
-// x as a function of the plane of the triangle: its singular values s1 >= s2 give max(s2, s1 / 2), which is what a
-// square pixel's footprint is judged by.
-TriangleDensity triangleDensity(const glm::vec3& e1, const glm::vec3& e2, const glm::vec2& d1, const glm::vec2& d2) {
+TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const FlatBtfBinding& binding, const glm::mat3& linear) {
+  const auto vertex = [&](size_t k) -> const Vertex& { return mesh.vertices[mesh.indices[first_index + k]]; };
+  const glm::vec3 e1 = linear * (vertex(1).position - vertex(0).position), e2 = linear * (vertex(2).position - vertex(0).position);
+  const glm::vec2 d1 = (vertex(1).uv - vertex(0).uv) * binding.scale, d2 = (vertex(2).uv - vertex(0).uv) * binding.scale;
   const float area2 = glm::length(glm::cross(e1, e2)), length1 = glm::length(e1);
   if (!(area2 > 1e-20f) || !(length1 > 0)) return {};
   // Orthonormal frame of the plane with e1 along its first axis: e1 = (a, 0), e2 = (b, c).
@@ -32,8 +36,7 @@ TriangleDensity triangleDensity(const glm::vec3& e1, const glm::vec3& e2, const 
   const float sum = glm::dot(column1, column1) + glm::dot(column2, column2);
   const float det = column1.x * column2.y - column2.x * column1.y;
   const float root = std::sqrt(std::max(sum * sum - 4 * det * det, 0.0f));
-  const float s1 = std::sqrt(0.5f * (sum + root)), s2 = std::sqrt(std::max(0.5f * (sum - root), 0.0f));
-  return {std::max(s2, 0.5f * s1), 0.5f * area2};
+  return {std::sqrt(0.5f * (sum + root)), std::sqrt(std::max(0.5f * (sum - root), 0.0f)), 0.5f * area2};
 }
 
 glm::dvec3 hermite(const glm::dvec3& p0, const glm::dvec3& m0, const glm::dvec3& p1, const glm::dvec3& m1, double u) {
@@ -115,25 +118,37 @@ bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye
 }
 
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local) {
-  std::vector<TriangleDensity> densities;
+  std::vector<TriangleUvs> triangles;
   float total = 0;
-  const glm::mat3 linear(world_from_local);
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    const Vertex &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
-                 &c = mesh.vertices[mesh.indices[i + 2]];
-    const TriangleDensity density =
-        triangleDensity(linear * (b.position - a.position), linear * (c.position - a.position),
-                        (b.uv - a.uv) * binding.scale, (c.uv - a.uv) * binding.scale);
-    if (!(density.periods_per_metre > 0) || !std::isfinite(density.periods_per_metre)) continue;
-    total += density.area;
-    densities.push_back(density);
+    const TriangleUvs uvs = triangleUvs(mesh, i, binding, glm::mat3(world_from_local));
+    if (!(uvs.density() > 0) || !std::isfinite(uvs.density())) continue;
+    total += uvs.area;
+    triangles.push_back(uvs);
   }
-  std::sort(densities.begin(), densities.end(),
-            [](const auto& a, const auto& b) { return a.periods_per_metre < b.periods_per_metre; });
+  std::sort(triangles.begin(), triangles.end(),
+            [](const TriangleUvs& a, const TriangleUvs& b) { return a.density() < b.density(); });
   float below = 0;
-  for (const TriangleDensity& density : densities)
-    if ((below += density.area) >= 0.02f * total) return density.periods_per_metre;
+  for (const TriangleUvs& uvs : triangles)
+    if ((below += uvs.area) >= 0.02f * total) return uvs.density();
   return 1;
+}
+
+bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local, float density) {
+  constexpr float kStretch = 0.01f;                    // relative
+  constexpr float kCurvature = 0.01f, kNoise = 1e-4f;  // tilt of the normal per tile period, and of normals as stored
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const TriangleUvs uvs = triangleUvs(mesh, i, binding, glm::mat3(world_from_local));
+    if (!(uvs.area > 0)) continue;
+    if (!(std::abs(uvs.most - density) <= kStretch * density && std::abs(uvs.least - density) <= kStretch * density)) return false;
+    const Vertex& first = mesh.vertices[mesh.indices[i]];
+    for (size_t k = 1; k < 3; ++k) {
+      const Vertex& other = mesh.vertices[mesh.indices[i + k]];
+      const float periods = glm::length((other.uv - first.uv) * binding.scale);
+      if (!(glm::length(other.normal - first.normal) <= kCurvature * periods + kNoise)) return false;
+    }
+  }
+  return true;
 }
 
 float demandLambda(const View& view, const Bounds& world, float periods_per_metre, int side) {

@@ -45,6 +45,10 @@ bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye
 // metre, such that only 2 % of the area has fewer.
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local);
 
+// Whether view rays need no following (loden_follow_surface): every triangle is flat, by its normals, and its UVs are
+// `density` tile periods per metre in all directions.
+bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local, float density);
+
 // The smallest lambda that any pixel of a visible object can ask for; see loden_lambda_from_footprint. `side`:
 // reference texels per tile period.
 float demandLambda(const View& view, const Bounds& world, float periods_per_metre, int side);

@@ -107,7 +107,7 @@ struct FrameRenderer::Impl {
   Status useShadowProgram(int object);
   Status drawShadowMap();
   Status drawDepth();
-  Result<uint32_t> useMaterial(MaterialId id);
+  Result<uint32_t> useMaterial(MaterialId id, bool curved);
   Status drawShaded();
   Status drawView(const FrameTarget& target);
 };
@@ -202,8 +202,8 @@ bool FrameRenderer::Impl::shadowIsCurrent() const {
 Status FrameRenderer::Impl::useShadowProgram(int object) {
   const MaterialId id = materialOf(object);
   const bool relief = movesDepth(id);
-  const Result<uint32_t> program =
-      relief ? shaders.program("scene_shadow", materials.variant(id)) : shaders.program("scene_depth", {});
+  const char* row = scene.objects[object].curved ? "scene_shadow_curved" : "scene_shadow";
+  const Result<uint32_t> program = relief ? shaders.program(row, materials.variant(id)) : shaders.program("scene_depth", {});
   if (!program) return program.issue();
   glUseProgram(*program);
   if (relief) materials.bind(id);
@@ -253,8 +253,10 @@ bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
   return settings.parallax_depth && id && hasRelief(materials.variant(id));
 }
 
-Result<uint32_t> FrameRenderer::Impl::useMaterial(MaterialId id) {
+Result<uint32_t> FrameRenderer::Impl::useMaterial(MaterialId id, bool curved) {
   const char* row = movesDepth(id) ? "scene_forward_depth" : "scene_forward";
+  if (curved && id && hasRelief(materials.variant(id)))
+    row = movesDepth(id) ? "scene_forward_depth_curved" : "scene_forward_curved";
   const Result<uint32_t> program = shaders.program(row, id ? materials.variant(id) : MaterialVariant{});
   if (!program) return program;
   glUseProgram(*program);
@@ -262,24 +264,24 @@ Result<uint32_t> FrameRenderer::Impl::useMaterial(MaterialId id) {
   return program;
 }
 
-// By material, front to back within each.
+// By material and the way its surface is looked up, front to back within each.
 Status FrameRenderer::Impl::drawShaded() {
   const GlDebugGroup group("shading");
   std::vector<Drawable> order = visible;
-  std::stable_sort(order.begin(), order.end(), [&](const Drawable& a, const Drawable& b) {
-    return materialOf(a.object).value < materialOf(b.object).value;
-  });
+  const auto key = [&](const Drawable& drawable) {
+    return std::pair(materialOf(drawable.object).value, scene.objects[drawable.object].curved);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](const Drawable& a, const Drawable& b) { return key(a) < key(b); });
   glDepthFunc(GL_LEQUAL);
   uint32_t last_program = 0;
-  std::optional<MaterialId> last;
+  std::optional<std::pair<uint32_t, bool>> last;
   for (const Drawable& drawable : order) {
-    const MaterialId id = materialOf(drawable.object);
-    if (!last || !(*last == id)) {
-      const Result<uint32_t> program = useMaterial(id);
+    if (!last || *last != key(drawable)) {
+      const Result<uint32_t> program = useMaterial(materialOf(drawable.object), scene.objects[drawable.object].curved);
       if (!program) return program.issue();
       stats.program_changes += *program != last_program;
       last_program = *program;
-      last = id;
+      last = key(drawable);
     }
     drawObject(drawable.object);
     ++stats.draw_calls;

@@ -39,7 +39,9 @@ Object makeObject(const Scene& scene, const Instance& instance) {
   if (!object.double_sided) object.facing = facingCone(scene.meshes[instance.mesh], instance.world_from_local);
   if (!material.flat_btf) return object;
   object.asset = material.flat_btf->asset;
-  object.periods_per_metre = uvDensity(scene.meshes[instance.mesh], *material.flat_btf, instance.world_from_local);
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  object.periods_per_metre = uvDensity(mesh, *material.flat_btf, instance.world_from_local);
+  object.curved = !isPlain(mesh, *material.flat_btf, instance.world_from_local, object.periods_per_metre);
   return object;
 }
 

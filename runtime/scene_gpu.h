@@ -21,6 +21,7 @@ struct Object {
   int mesh = 0;                 // index into GpuScene::meshes
   int asset = -1;               // index into GpuScene::assets; -1: drawn with its base material
   float periods_per_metre = 1;  // of its UVs
+  bool curved = false;          // or with stretched UVs: the lookup follows it
   Bounds bounds;                // world
   FacingCone facing;            // every direction if double sided
   bool mirrored = false;        // by its transform: front faces are clockwise

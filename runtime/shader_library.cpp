@@ -124,7 +124,8 @@ Result<GlProgram> ShaderLibrary::build(const ProgramRow& row, const MaterialVari
     return ShaderText{std::string(file), std::string(file.empty() ? "" : shaderSource(file))};
   };
   std::vector<std::string> defines = variantDefines(variant);
-  if (!row.defines.empty()) defines.emplace_back(row.defines);
+  for (const std::string_view define : row.defines)
+    if (!define.empty()) defines.emplace_back(define);
   const ShaderText vertex = entry(row.vertex), fragment = entry(row.fragment);
   for (const ShaderText* file : {&vertex, &fragment})
     if (file->text.empty() && !file->name.empty())

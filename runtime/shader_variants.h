@@ -28,18 +28,24 @@ struct MaterialVariant {
 struct ProgramRow {
   std::string_view name;
   std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
-  std::string_view defines;           // one more define, "NAME VALUE", or empty
+  std::string_view defines[2];        // more defines, "NAME VALUE", or empty
   bool none = false;     // may be built without a material
   bool surface = false;  // for surface materials
   bool bands = false;    // for 1 .. LODEN_MAX_BANDS bands
   bool relief = false;   // only for variants whose lookup finds a depth
 };
 
+inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
+inline constexpr std::string_view kFollowSurface = "SCENE_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
+
 inline constexpr ProgramRow kProgramRows[] = {
-    {"scene_depth", "scene_depth.vert.glsl", "", "", true, false, false},
-    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "", true, true, true},
-    {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", "SCENE_PARALLAX_DEPTH 1", false, true, true, true},
-    {"scene_shadow", "scene_forward.vert.glsl", "scene_shadow.frag.glsl", "SCENE_PARALLAX_DEPTH 1", false, true, true, true},
+    {"scene_depth", "scene_depth.vert.glsl", "", {}, true, false, false},
+    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, true, true, true},
+    {"scene_forward_curved", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kFollowSurface}, false, true, true, true},
+    {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kParallaxDepth}, false, true, true, true},
+    {"scene_forward_depth_curved", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
+    {"scene_shadow", "scene_forward.vert.glsl", "scene_shadow.frag.glsl", {kParallaxDepth}, false, true, true, true},
+    {"scene_shadow_curved", "scene_forward.vert.glsl", "scene_shadow.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
 };
 
 // Whether the variant's lookup finds a depth below the reference plane.

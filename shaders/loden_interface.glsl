@@ -46,13 +46,15 @@ struct LodenMaterial {
   float lambda_bias;   // added to the footprint's lambda
   float distance_;     // above 0: lambda by LBTF's distance rule, in units at which a texel covers a pixel
   bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
-  // What loden_follow_surface finds out; the defaults stand for a flat surface with unstretched texture coordinates.
+  // What loden_follow_surface finds out; the defaults stand for a flat surface with unstretched texture coordinates. The
+  // tile length is that of a tile period there: the square root of the area that a tile takes.
   mat2 curvature;       // of the reference surface: tilt of the normal per tile length, symmetric, positive if convex
-  mat2 x_from_tangent;  // tile periods per tile length along the tangent frame
+  mat2 x_from_tangent;  // tile periods per tile length along the tangent frame; of determinant 1
+  float tile_length;    // in the renderer's units; the library itself does not read it
 };
 
 LodenMaterial loden_material_default() {
-  return LodenMaterial(loden_material.mean_chroma.z, 0.0, 0.0, true, mat2(0.0), mat2(1.0));
+  return LodenMaterial(loden_material.mean_chroma.z, 0.0, 0.0, true, mat2(0.0), mat2(1.0), 1.0);
 }
 
 // One shading point, shared by all lights.

@@ -40,19 +40,19 @@ int loden_footprint_taps(vec2 dx, vec2 dy, out vec2 step_) {
 }
 
 // Tells m how the reference surface bends and how x lies on it, from screen-space derivatives of x, and of position
-// (in tile lengths) and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature for
-// this; here the view ray bends instead, in the lookup.
+// and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature for this; here the view
+// ray bends instead, in the lookup.
 void loden_follow_surface(inout LodenMaterial m, vec2 dx, vec2 dy, vec3 dp_dx, vec3 dp_dy, vec3 dn_dx, vec3 dn_dy) {
-  float det = dp_dx.x * dp_dy.y - dp_dx.y * dp_dy.x;
+  float det = dp_dx.x * dp_dy.y - dp_dx.y * dp_dy.x, stretch = dx.x * dy.y - dx.y * dy.x;
   float area = sqrt(dot(dp_dx, dp_dx) * dot(dp_dy, dp_dy));
-  if (!(abs(det) > 1e-3 * area)) return;  // seen edge on
-  mat2 screen_from_tangent = mat2(dp_dy.y, -dp_dx.y, -dp_dy.x, dp_dx.x) * (1.0 / det);
-  mat2 x_from_tangent = mat2(dx, dy) * screen_from_tangent, k = mat2(dn_dx.xy, dn_dy.xy) * screen_from_tangent;
-  float mixed = 0.5 * (k[0].y + k[1].x);
-  vec3 bounded = clamp(vec3(k[0].x, mixed, k[1].y), -LODEN_MAX_CURVATURE, LODEN_MAX_CURVATURE);
+  float periods = sqrt(abs(stretch / det));  // per unit of position
+  if (!(abs(det) > 1e-3 * area) || !(periods > 0.0) || stretch * det <= 0.0) return;  // edge on, or not mapped to an area
+  mat2 screen_from_tangent = mat2(dp_dy.y, -dp_dx.y, -dp_dy.x, dp_dx.x) * (1.0 / (det * periods));
+  mat2 k = mat2(dn_dx.xy, dn_dy.xy) * screen_from_tangent;
+  vec3 bounded = clamp(vec3(k[0].x, 0.5 * (k[0].y + k[1].x), k[1].y), -LODEN_MAX_CURVATURE, LODEN_MAX_CURVATURE);
   m.curvature = mat2(bounded.xy, bounded.yz);
-  float stretch = determinant(x_from_tangent);
-  if (stretch > 1.0 / LODEN_MAX_STRETCH && stretch < LODEN_MAX_STRETCH) m.x_from_tangent = x_from_tangent;
+  m.x_from_tangent = mat2(dx, dy) * screen_from_tangent;
+  m.tile_length = 1.0 / periods;
 }
 
 // LBTF 3.4, step 2; distance in units at which one texel covers one pixel.

@@ -6,9 +6,7 @@
 #define LODEN_MAX_BANDS 8   // that one shader reads; files may hold more (LODEN limits in material/asset.h)
 #define LODEN_MAX_QUADS 16  // of one band
 
-// Of a reference surface that the lookup follows.
-#define LODEN_MAX_CURVATURE 1.0  // per tile length
-#define LODEN_MAX_STRETCH 16.0   // of areas by texture coordinates, and its inverse
+#define LODEN_MAX_CURVATURE 1.0  // of a reference surface that the lookup follows, per tile length
 
 // How a material answers to light from all around (material/environment.h).
 #define LODEN_ENVIRONMENT_BASIS 6   // functions over the hemisphere

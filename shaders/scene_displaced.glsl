@@ -31,13 +31,10 @@ mat3 tangentFrame() {
   return mat3(t, sign_ * cross(n, t), n);
 }
 
-// The tile length is object.tile.x metres.
 SurfaceShape surfaceShape(mat3 frame) {
   vec3 n = normalize(normal_ws);
-  float side = dot(frame[2], n) < 0.0 ? -1.0 : 1.0;  // double-sided surfaces, seen from behind
-  float scale = 1.0 / object.tile.x;
-  return SurfaceShape(dFdx(position_ws) * frame * scale, dFdy(position_ws) * frame * scale, dFdx(n) * frame * side,
-                      dFdy(n) * frame * side);
+  n = dot(frame[2], n) < 0.0 ? -n : n;  // double-sided surfaces, seen from behind
+  return SurfaceShape(dFdx(position_ws) * frame, dFdy(position_ws) * frame, dFdx(n) * frame, dFdy(n) * frame);
 }
 
 // The direction in the tangent frame, kept above the horizon: interpolated normals may face away at silhouettes.
@@ -47,8 +44,8 @@ vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
   return normalize(wo);
 }
 
-// Where the ray along wo_ws meets the tile, depth z (tile periods, <= 0) below the plane.
-vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) { return position_ws + wo_ws * (z * object.tile.x / wo.z); }
+// Where the ray along wo_ws meets the tile, at height z (metres, <= 0) over the tangent plane.
+vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) { return position_ws + wo_ws * (z / wo.z); }
 
 // Depth of a point in the frame's own view.
 float depthOf(vec3 position) {

@@ -23,7 +23,7 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws,
     if (wi.z > 0.0) {
       // Asked for where the ray to the sun leaves the tile: what happens below the reference plane is part of the
       // material's own values.
-      vec3 exit_ = position - scene.sun_direction.xyz * (z * object.tile.x / max(wi.z, 0.1));
+      vec3 exit_ = position - scene.sun_direction.xyz * (z / max(wi.z, 0.1));
       float visible = sceneSunVisibility(exit_, frame[2]);
       if (visible > 0.0) radiance += scene.sun_irradiance.rgb * visible * surfaceRadiance(point, wi, wo);
     }

@@ -53,7 +53,7 @@ struct SceneObject {
   mat4 normal_from_local;     // inverse transpose of its upper 3 x 3
   vec4 base_color_metallic;   // of the fallback
   vec4 emissive_roughness;
-  vec4 tile;                  // metres per tile period, unused x 3
+  vec4 tile;                  // metres per tile period, where its texture coordinates are not stretched; unused x 3
   ivec4 flags;                // bits, number of lights, 1 or -1 if the transform mirrors, unused
   ivec4 lights[2];            // indices into SceneFrame.lights
 };

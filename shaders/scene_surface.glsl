@@ -1,6 +1,6 @@
 // How a surface answers to light: radiance = irradiance * surfaceRadiance. One of two.
 
-// Screen-space derivatives of a mesh, in its tangent frame: of position (tile lengths) and unit normal.
+// Screen-space derivatives of a mesh, in its tangent frame: of position (metres) and unit normal.
 struct SurfaceShape {
   vec3 dp_dx, dp_dy, dn_dx, dn_dy;
 };
@@ -23,7 +23,10 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
   point.material = loden_material_default();
   point.material.lambda_min = loden_material.mean_chroma.z;
   point.material.lambda_bias = scene.lambda.y;
+  point.material.tile_length = object.tile.x;
+#ifdef SCENE_FOLLOW_SURFACE
   loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
+#endif
 #ifdef SCENE_PARALLAX_DEPTH
   point.material.skip_parallax = false;  // seen from above a relief moves nothing sideways, but is deep all the same
 #endif
@@ -37,8 +40,8 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
 // Evaluations that the footprint needs, and the step between them.
 int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) { return loden_footprint_taps(dx, dy, step_); }
 
-// Height of the hit over the tangent plane, tile lengths, <= 0.
-float surfaceDepth(SurfacePoint point) { return point.hit.depth; }
+// Height of the hit over the tangent plane, metres, <= 0.
+float surfaceDepth(SurfacePoint point) { return point.hit.depth * point.material.tile_length; }
 
 // True where the view ray leaves the tile again without meeting it.
 bool surfaceMissed(SurfacePoint point) { return point.hit.missed; }

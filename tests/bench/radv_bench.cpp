@@ -33,9 +33,13 @@ const char kEvaluate[] = R"(
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 48) buffer Points { vec4 points[]; };
 void main() {
-  uint i = gl_GlobalInvocationID.x * 3u;
+  uint i = gl_GlobalInvocationID.x * 5u;
   vec3 wo = normalize(points[i].xyz), wi = normalize(points[i + 1u].xyz);
   LodenMaterial m = loden_material_default();
+#ifdef CURVED
+  m.curvature = mat2(points[i + 3u].xy, points[i + 3u].zw);
+  m.x_from_tangent = mat2(points[i + 4u].xy, points[i + 4u].zw);
+#endif
   LodenHit h = loden_find_hit_at(m, points[i + 2u].xy, points[i + 2u].z, wo);
   points[i].xyz = loden_evaluate(m, h, wi, wo);
 })";
@@ -201,6 +205,12 @@ int main() {
                                       {Kind::kBands, 2, Lookup::kNone, false, false},
                                       {Kind::kBands, 2, Lookup::kFast, false, false},
                                       {Kind::kBands, 2, Lookup::kDefault, false, false}};
-  for (const MaterialVariant& variant : variants) report(gpu, variantName(variant), kEvaluate, variantDefines(variant));
+  for (const MaterialVariant& variant : variants) {
+    std::vector<std::string> defines = variantDefines(variant);
+    report(gpu, variantName(variant), kEvaluate, defines);
+    if (variant.lookup != Lookup::kFast && variant.lookup != Lookup::kDefault) continue;
+    defines.push_back("CURVED 1");
+    report(gpu, variantName(variant) + ", curved", kEvaluate, defines);
+  }
   return 0;
 }

@@ -96,6 +96,18 @@ TEST_F(SceneUvTest, MirroringTransformsMirrorThePicture) {
   EXPECT_LT(meanDifference(expected, actual), 1e-3);
 }
 
+// A mesh squeezed by its transform is the squeezed mesh: its tile is half as wide as long, and rays must know.
+TEST_F(SceneUvTest, NonUniformScaleEqualsStretchedUvs) {
+  Scene scaled = planeScene({0.3f, 0.2f, 1}), stretched = planeScene({0.3f, 0.2f, 1});
+  scaled.instances[0].world_from_local[0][0] = 0.5f;
+  for (Vertex& vertex : stretched.meshes[0].vertices) vertex.position.x *= 0.5f;
+  stretched.meshes[0].bounds = boundsOf(stretched.meshes[0]);
+  const auto expected = draw(stretched);
+  ASSERT_GT(contrast(expected), 0.01);
+  EXPECT_LT(meanDifference(expected, draw(scaled)), 1e-4);
+  EXPECT_GT(meanDifference(expected, draw(planeScene({0.3f, 0.2f, 1}))), 1e-3);
+}
+
 TEST_F(SceneUvTest, RotationAndScaleMatchRotatedUvs) {
   Scene bound = planeScene({0.3f, 0.2f, 1});
   bound.materials[0].flat_btf->scale = {2, 2};

@@ -58,6 +58,22 @@ TEST(DemandLambda, EqualsTheFootprintOfAFacingPlane) {
   EXPECT_GT(demand, footprint - 0.2);  // less by the distance of the corners of the picture only
 }
 
+TEST(IsPlain, OnlyFlatMeshesWithUnstretchedUvs) {
+  const auto plain = [](SurfaceKind kind, glm::vec2 scale, const glm::mat4& transform) {
+    const Mesh mesh = analyticMesh(analyticSurface(kind));
+    FlatBtfBinding binding;
+    binding.scale = scale;
+    return isPlain(mesh, binding, transform, uvDensity(mesh, binding, transform));
+  };
+  glm::mat4 squeezed(1);
+  squeezed[0][0] = 0.5f;
+  EXPECT_TRUE(plain(SurfaceKind::kPlane, {5, 5}, glm::mat4(1)));
+  EXPECT_FALSE(plain(SurfaceKind::kPlane, {5, 4}, glm::mat4(1)));
+  EXPECT_FALSE(plain(SurfaceKind::kPlane, {5, 5}, squeezed));
+  EXPECT_FALSE(plain(SurfaceKind::kCylinder, {1, 1}, glm::mat4(1)));
+  EXPECT_FALSE(plain(SurfaceKind::kSphere, {1, 1}, glm::mat4(1)));
+}
+
 TEST(DemandLambda, IsZeroInsideTheBox) {
   const View view = makeView(testCamera(), {400, 400});
   EXPECT_EQ(demandLambda(view, {glm::vec3(-5), glm::vec3(5)}, 20, 64), 0);

@@ -122,9 +122,10 @@ enum class Meeting { kAway, kNear, kHere };
 
 // Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
 // Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo: a ray that turned to the back of
-// the surface is away from what the viewer sees.
+// the surface is away from what the viewer sees. `miss`: by how many texels the ray fails to meet a patch that faces it.
 template <class T>
-Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& z) {
+Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& z,
+                  T& miss) {
   using V2 = glm::vec<2, T>;
   const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - ray.offset(p.z) - ray.x; };
   const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
@@ -144,16 +145,18 @@ Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>&
   if (!(det * ray.branch > 0)) return Meeting::kAway;
   const V2 centred = glm::abs(ab - T(0.5));
   const V2 residual = glm::abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
+  miss = std::max(std::max(centred.x, centred.y) - T(0.5), std::max(residual.x, residual.y) * side);
   const bool here = std::max(centred.x, centred.y) <= T(0.5) + T(kInside) &&
                     std::max(residual.x, residual.y) * side <= T(kResidual) && T(1) + T(2) * ray.bend * z > 0;
   return here ? Meeting::kHere : Meeting::kNear;
 }
 
 // Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
-// the ray meets from behind, unless patient. On success hit has p, position and converged; else they stay.
+// the ray meets from behind, unless patient. hit gets p and position.z where it converges, or else of the smallest
+// miss so far, `nearest`.
 template <class T>
 void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T z, glm::vec<2, T> p, bool patient,
-                VdimHit<T>& hit) {
+                VdimHit<T>& hit, T& nearest) {
   using V2 = glm::vec<2, T>;
   const T n = T(geometry.side());
   const V2 point = ray.x + ray.offset(z);
@@ -164,14 +167,15 @@ void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T z, glm:
     const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
     hit.fetches += 1;  // one gather
     const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
-    T hit_z = z;
-    const Meeting meeting = meetPatch(patch, shift, ray, n, ab, hit_z);
+    T hit_z = z, miss = T(1e9);
+    const Meeting meeting = meetPatch(patch, shift, ray, n, ab, hit_z, miss);
     p = (base + ab + T(0.5)) / n;
-    if (meeting == Meeting::kHere) {
+    hit.converged = meeting == Meeting::kHere;
+    if (hit.converged || miss < nearest) {
       hit.p = p + shift;
       hit.position.z = hit_z;
-      hit.converged = true;
     }
+    nearest = std::min(nearest, miss);
     left = hit.converged || (meeting == Meeting::kAway && !patient) ? 0 : left - 1;
   } while (left > 0);
 }
@@ -214,29 +218,29 @@ template <class T>
 VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo,
                       const LocalSurface<T>& surface) {
   ViewRay<T> ray = viewRay(surface, x, wo);
-  const NearestLayers<T> nearest =
+  const NearestLayers<T> layers =
       nearestLayers(atlas.size.directions, vdimSquareFromView(chord(ray, T(atlas.geometry.range.z))));
   const TierLimits limits = tierLimits(tier);
   Depths<T> depths{{}, limits.layers};
-  for (int l = 0; l < limits.layers; ++l) depths.layer[l] = gatherDepths(atlas, nearest.index[l], ray.x);
+  for (int l = 0; l < limits.layers; ++l) depths.layer[l] = gatherDepths(atlas, layers.index[l], ray.x);
   VdimHit<T> hit;
   hit.fetches = limits.layers;
   // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
   // then these once more with patience; then along the way out. The first search that converges wins.
   const T range = T(atlas.geometry.range.z);
   const glm::vec<2, T> f = glm::fract(ray.x * T(atlas.size.texels) - T(0.5));
-  T z = clusterMean(depths, highestBelow(depths, T(1)) - T(kCluster) * range, f, nearest.weight);
-  // Where searches that fail end up means nothing; the blended depth is near.
+  T z = clusterMean(depths, highestBelow(depths, T(1)) - T(kCluster) * range, f, layers.weight);
+  // Where no patch faces the ray the blended depth is near.
   hit.p = parameterNear(atlas, ray.x + ray.offset(z), z);
   hit.position.z = z;
-  T below = T(1);
+  T below = T(1), nearest = T(1e9);
   const T turning = T(-0.5) / std::max(ray.bend, T(1e-6));
   bool patient = false;
   int ways_out = turning > -range ? kWaysOut : 0;
   int left = limits.candidates + ways_out;
   do {
     hit.fetches += atlas.volume.empty() ? 0 : 1;
-    searchFrom(atlas.geometry, ray, z, parameterNear(atlas, ray.x + ray.offset(z), z), patient, hit);
+    searchFrom(atlas.geometry, ray, z, parameterNear(atlas, ray.x + ray.offset(z), z), patient, hit, nearest);
     const T next = highestBelow(depths, below);
     const bool exhausted = next < T(kNone), leaves = exhausted && patient && ways_out > 0;
     left = hit.converged || (exhausted && patient && !leaves) ? 0 : left - 1;

@@ -152,8 +152,9 @@ float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2
 const int LODEN_AWAY = 0, LODEN_NEAR = 1, LODEN_HERE = 2;
 
 // Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is wanted.
-// A ray that turned to the back of the surface is away from what the viewer sees.
-int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z) {
+// A ray that turned to the back of the surface is away from what the viewer sees. miss: by how many texels the ray fails
+// to meet a patch that faces it.
+int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z, out float miss) {
   vec2 q00 = loden_shear(patch_.p00, shift, ray);
   vec2 q10 = loden_shear(patch_.p10, shift, ray) - q00;
   vec2 q01 = loden_shear(patch_.p01, shift, ray) - q00;
@@ -166,17 +167,20 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
   z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
   vec2 centred = abs(ab - 0.5);
   vec2 residual = abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
+  bool faces = patch_.exists && det * ray.branch > 0.0;
+  miss = faces ? max(max(centred.x, centred.y) - 0.5, max(residual.x, residual.y) * side) : 1e9;
   bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && max(residual.x, residual.y) * side <= LODEN_RESIDUAL &&
               1.0 + 2.0 * ray.bend * z > 0.0;
   if (!patch_.exists) return LODEN_NEAR;
-  return det * ray.branch > 0.0 ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
+  return faces ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
 }
 
 // Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
-// the ray meets from behind, unless patient. found = (p, z, 1) if it converged, else as it was. What leaves the loop
+// the ray meets from behind, unless patient. found = (p, z, 1) where it converges, or else (p, z, 0) of the smallest
+// miss so far, `nearest`. What leaves the loop
 // is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's values of
 // anything else, also to invocations that left before.
-void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found) {
+void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found, inout float nearest) {
   float n = loden_material.geometry.w;
   vec2 point = ray.x + loden_ray_offset(ray, z);
   int left = LODEN_PATCHES;
@@ -185,11 +189,13 @@ void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout ve
     vec2 ab = texel - base;
     LodenPatch patch_ = loden_fetch_patch(base);
     vec2 shift = floor(point - patch_.p00.xy + 0.5);
-    float hit_z;
-    int meeting = loden_meet_patch(patch_, shift, ray, n, ab, hit_z);
+    float hit_z, miss;
+    int meeting = loden_meet_patch(patch_, shift, ray, n, ab, hit_z, miss);
     p = (base + ab + 0.5) / n;
-    found = meeting == LODEN_HERE ? vec4(p + shift, hit_z, 1.0) : found;
-    left = meeting == LODEN_HERE || (meeting == LODEN_AWAY && !patient) ? 0 : left - 1;
+    bool here = meeting == LODEN_HERE;
+    found = here || miss < nearest ? vec4(p + shift, hit_z, here ? 1.0 : 0.0) : found;
+    nearest = min(nearest, miss);
+    left = here || (meeting == LODEN_AWAY && !patient) ? 0 : left - 1;
   } while (left > 0);
 }
 
@@ -227,28 +233,28 @@ float loden_cluster_mean(LodenDepths depths, float low, vec2 f, vec3 layer_weigh
 
 LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   LodenViewRay ray = loden_view_ray(m, x, wo);
-  LodenNearestLayers nearest = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(loden_chord(ray)));
+  LodenNearestLayers layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(loden_chord(ray)));
   LodenDepths depths;
-  depths.layer[0] = loden_gather_depths(nearest.index.x, ray.x);
+  depths.layer[0] = loden_gather_depths(layers.index.x, ray.x);
 #ifndef LODEN_LOOKUP_FAST
-  depths.layer[1] = loden_gather_depths(nearest.index.y, ray.x);
-  depths.layer[2] = loden_gather_depths(nearest.index.z, ray.x);
+  depths.layer[1] = loden_gather_depths(layers.index.y, ray.x);
+  depths.layer[2] = loden_gather_depths(layers.index.z, ray.x);
 #endif
   // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
   // then these once more with patience; then along the way out. The first search that converges wins.
   float range = loden_material.geometry.z;
   float top = loden_highest_below(depths, 1.0);
   vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
-  float z = loden_cluster_mean(depths, top - LODEN_CLUSTER * range, f, nearest.weight);
-  // Where searches that fail end up means nothing; the blended depth is near.
+  float z = loden_cluster_mean(depths, top - LODEN_CLUSTER * range, f, layers.weight);
+  // Where no patch faces the ray the blended depth is near.
   vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, z), z);
   vec4 found = vec4(p, z, 0.0);
-  float below = 1.0, turning = -0.5 / max(ray.bend, 1e-6);
+  float below = 1.0, nearest = 1e9, turning = -0.5 / max(ray.bend, 1e-6);
   bool patient = false;
   int ways_out = turning > -range ? LODEN_WAYS_OUT : 0;
   int left = LODEN_CANDIDATES + ways_out;
   do {
-    loden_search_from(ray, z, p, patient, found);
+    loden_search_from(ray, z, p, patient, found, nearest);
     float next = loden_highest_below(depths, below);
     bool exhausted = next < LODEN_NONE, leaves = exhausted && patient && ways_out > 0;
     left = found.w > 0.0 || (exhausted && patient && !leaves) ? 0 : left - 1;

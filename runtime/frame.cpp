@@ -104,7 +104,7 @@ struct FrameRenderer::Impl {
   void drawObject(int object) const;
   bool movesDepth(MaterialId id) const;
   bool shadowIsCurrent() const;
-  Status useShadowProgram(int object);
+  Status useDepthProgram(int object);
   Status drawShadowMap();
   Status drawDepth();
   Result<uint32_t> useMaterial(MaterialId id, bool curved);
@@ -177,6 +177,7 @@ void FrameRenderer::Impl::uploadUniforms() {
   SceneFrame frame = frameData();
   glNamedBufferSubData(frame_uniforms.name(), 0, sizeof frame, &frame);
   frame.clip_from_world = scene.sun_view.clip_from_world;
+  frame.flags.x |= SCENE_SUN_VIEW;
   glNamedBufferSubData(shadow_uniforms.name(), 0, sizeof frame, &frame);
 }
 
@@ -198,11 +199,11 @@ bool FrameRenderer::Impl::shadowIsCurrent() const {
   return !settings.parallax_depth || shadow_revision == materials.geometryRevision();
 }
 
-// The program that draws an object's depth as the sun sees it.
-Status FrameRenderer::Impl::useShadowProgram(int object) {
+// The program that draws an object's depth, as the camera or the sun sees it.
+Status FrameRenderer::Impl::useDepthProgram(int object) {
   const MaterialId id = materialOf(object);
   const bool relief = movesDepth(id);
-  const char* row = scene.objects[object].curved ? "scene_shadow_curved" : "scene_shadow";
+  const char* row = scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth";
   const Result<uint32_t> program = relief ? shaders.program(row, materials.variant(id)) : shaders.program("scene_depth", {});
   if (!program) return program.issue();
   glUseProgram(*program);
@@ -221,7 +222,7 @@ Status FrameRenderer::Impl::drawShadowMap() {
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.0f, 2.0f);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    if (Status status = useShadowProgram(static_cast<int>(i)); !status) return status;
+    if (Status status = useDepthProgram(static_cast<int>(i)); !status) return status;
     drawObject(static_cast<int>(i));
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -232,16 +233,12 @@ Status FrameRenderer::Impl::drawShadowMap() {
   return {};
 }
 
-// Objects whose shading pass moves the depth write it there: one lookup decides what is seen and how it is lit.
 Status FrameRenderer::Impl::drawDepth() {
   if (!settings.depth_prepass) return {};
   const GlDebugGroup group("depth pre-pass");
-  const Result<uint32_t> program = shaders.program("scene_depth", {});
-  if (!program) return program.issue();
-  glUseProgram(*program);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   for (const Drawable& drawable : visible) {
-    if (movesDepth(materialOf(drawable.object))) continue;
+    if (Status status = useDepthProgram(drawable.object); !status) return status;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
   }

@@ -25,7 +25,7 @@ struct FrameSettings {
   bool depth_prepass = true;
   bool cull = true;                  // leaves out what is not in view or shows its back; off for measuring
   // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a relief's
-  // valleys is seen and lit. Costs a lookup per texel of the shadow map, and the depth pre-pass of these objects.
+  // valleys is seen and lit. Costs a lookup per texel of the shadow map and per pixel of the pre-pass.
   bool parallax_depth = false;
   int samples = 1;                   // per pixel, for silhouettes; 1, 2, 4 or 8
   std::optional<float> lambda;       // instead of the footprint's, everywhere

@@ -12,6 +12,9 @@ static_assert(LODEN_ENVIRONMENT_BASIS == kEnvironmentBasis && LODEN_ENVIRONMENT_
 
 namespace {
 
+// A highlight below this, of white, is left out with its map.
+constexpr float kLeastSpecular = 1.0f / 2048;
+
 // Reciprocal of a ramp's length; a step becomes a very steep ramp.
 float ramp(float begin, float end) { return 1.0f / std::max(end - begin, 1e-6f); }
 
@@ -88,6 +91,7 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   if (m.cosine_included) bits |= LODEN_COSINE_INCLUDED;
   if (m.geometry.identity_parameterization) bits |= LODEN_IDENTITY;
   if (m.mode == Mode::kLod) bits |= LODEN_CLAMP_LAMBDA;
+  if (m.surface && m.surface->specular_scale > kLeastSpecular) bits |= LODEN_SPECULAR;
   data.flags = {bits, int(m.bands.size()), atlas.texels, atlas.directions};
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
   data.mean_chroma = {m.mean.cb, m.mean.cr, m.lambda_min, 1};

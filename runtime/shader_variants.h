@@ -44,8 +44,8 @@ inline constexpr ProgramRow kProgramRows[] = {
     {"scene_forward_curved", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kFollowSurface}, false, true, true, true},
     {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kParallaxDepth}, false, true, true, true},
     {"scene_forward_depth_curved", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
-    {"scene_shadow", "scene_forward.vert.glsl", "scene_shadow.frag.glsl", {kParallaxDepth}, false, true, true, true},
-    {"scene_shadow_curved", "scene_forward.vert.glsl", "scene_shadow.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
+    {"scene_relief_depth", "scene_forward.vert.glsl", "scene_relief_depth.frag.glsl", {kParallaxDepth}, false, true, true, true},
+    {"scene_relief_depth_curved", "scene_forward.vert.glsl", "scene_relief_depth.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
 };
 
 // Whether the variant's lookup finds a depth below the reference plane.

@@ -41,6 +41,7 @@
 #define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
 #define LODEN_IDENTITY 4              // P.xy == p: no closest-point volume
 #define LODEN_CLAMP_LAMBDA 8          // mode lod: beyond the last level the last level stays (LBTF 3.4, step 2)
+#define LODEN_SPECULAR 16             // mode surface: some highlight is worth its map
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>

@@ -1,4 +1,4 @@
-// Where a fragment of a mesh lies once its tile's relief counts: one rule for the shading pass and the shadow map.
+// Where a fragment of a mesh lies once its tile's relief counts: one rule for pre-pass, shadow map and shading pass.
 
 layout(location = 0) in vec3 position_ws;
 layout(location = 1) in vec3 normal_ws;
@@ -46,6 +46,16 @@ vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
 
 // Where the ray along wo_ws meets the tile, at height z (metres, <= 0) over the tangent plane.
 vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) { return position_ws + wo_ws * (z / wo.z); }
+
+// Tile coordinate of one evaluation of several along a fragment's footprint (surfaceTaps).
+vec2 tapX(int tap, int taps, vec2 step_) { return tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_; }
+
+// Of the one that decides a fragment's depth: the last.
+vec2 depthX(vec2 dx, vec2 dy) {
+  vec2 step_;
+  int taps = surfaceTaps(dx, dy, step_);
+  return tapX(taps - 1, taps, step_);
+}
 
 // Depth of a point in the frame's own view.
 float depthOf(vec3 position) {

@@ -53,8 +53,7 @@ void main() {
   int taps = surfaceTaps(dx, dy, step_), tap = 0;
   vec3 sum = vec3(0.0);
   do {
-    vec2 x = tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_;
-    sum += shade(x, dx, dy, shape, frame, wo_ws, wo);
+    sum += shade(tapX(tap, taps, step_), dx, dy, shape, frame, wo_ws, wo);
   } while (++tap < taps);
   color = vec4(sceneTone(object.emissive_roughness.rgb + sum / float(taps)), 1.0);
 }

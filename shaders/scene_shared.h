@@ -15,6 +15,7 @@
 #define SCENE_SHADOWS 2
 #define SCENE_FILMIC 4          // tone curve; without it colours are clipped
 #define SCENE_LAMBDA_OVERRIDE 8
+#define SCENE_SUN_VIEW 16       // the sun's view, for the shadow map
 
 // Bits of SceneObject.flags.x
 #define SCENE_DOUBLE_SIDED 1

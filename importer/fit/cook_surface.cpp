@@ -41,13 +41,14 @@ Texture mipMapped(TexelFormat format, std::vector<glm::vec4> texels, int side, s
 
 SurfaceMaps surfaceMaps(const BakedOutput::Surface& baked, int side, const std::vector<uint16_t>& owners) {
   SurfaceMaps maps;
+  maps.specular_scale = 0;
   for (const glm::vec2& s : baked.specular) maps.specular_scale = std::max(maps.specular_scale, s.x);
   std::vector<glm::vec4> normal, diffuse, specular;
   for (size_t t = 0; t < baked.normal.size(); ++t) {
     normal.emplace_back(baked.normal[t], 0);
     diffuse.emplace_back(baked.diffuse[t], 1);
     const float exponent = std::log2(std::max(baked.specular[t].y, 1.0f)) / 12;
-    specular.emplace_back(baked.specular[t].x / maps.specular_scale, exponent, 0, 0);
+    specular.emplace_back(maps.specular_scale > 0 ? baked.specular[t].x / maps.specular_scale : 0.0f, exponent, 0, 0);
   }
   maps.normal = mipMapped(TexelFormat::kRGBA8Snorm, std::move(normal), side, owners);
   maps.diffuse = mipMapped(TexelFormat::kRGBA16Unorm, std::move(diffuse), side, owners);

@@ -124,6 +124,11 @@ void reportFrameSkips(const Device& device) {
   const Scene stack = planes(4, [](int i) { return glm::vec3(0, 0, -0.3f + 0.1f * float(i)); });
   reportFrameSkip(device, "depth pre-pass (4 planes deep)", stack, plain,
                   with([](FrameSettings& s) { s.depth_prepass = false; }));
+  const FrameSettings relief = with([](FrameSettings& s) { s.parallax_depth = true; });
+  reportFrameSkip(device, "relief's pre-pass (4 planes deep)", stack, relief, with([](FrameSettings& s) {
+                    s.parallax_depth = true;
+                    s.depth_prepass = false;
+                  }));
   const FrameSettings dark = with([](FrameSettings& s) { s.sky_ambient = s.ground_ambient = glm::vec3(0); });
   const FrameSettings dim = with([](FrameSettings& s) { s.sky_ambient = s.ground_ambient = glm::vec3(1e-6f); });
   reportFrameSkip(device, "environment without light", planes(1, [](int) { return glm::vec3(0); }), dark, dim);

@@ -68,7 +68,7 @@ class Relief : public GlTest {
   }
 
   // Seen from 1 m above x = centre; pixels are 1.8 mm wide.
-  std::vector<glm::vec4> picture(const Scene& scene, bool shadows, float centre) {
+  std::vector<glm::vec4> picture(const Scene& scene, bool shadows, float centre, bool depth_prepass = true) {
     auto materials = makeMaterials();
     ShaderLibrary shaders(*device, {});
     auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
@@ -76,6 +76,7 @@ class Relief : public GlTest {
     FrameSettings settings;
     settings.parallax_depth = true;
     settings.shadows = shadows;
+    settings.depth_prepass = depth_prepass;
     settings.tone = ToneCurve::kClip;
     settings.sky_ambient = settings.ground_ambient = settings.background = glm::vec3(0);
     Camera camera;
@@ -138,6 +139,16 @@ TEST_F(Relief, ShowsAndLightsWhatLiesInAValley) {
   addChip(hidden, {0.25f * kPeriod, 0, -0.5f * kDepth}, {0.015f, 0.015f});
   const auto covered = picture(hidden, true, 0.25f * kPeriod);
   EXPECT_GT(range(covered, {0.25f * kPeriod - 0.01f, -0.01f}, {0.25f * kPeriod + 0.01f, 0.01f}).first, 0.5f);
+}
+
+// The pre-pass meets the relief where the shading pass does: nothing hides itself, and what is hidden stays so.
+TEST_F(Relief, LooksTheSameWithoutADepthPrePass) {
+  Scene scene = sceneUnder({0.3f, 0.2f, 1});
+  addChip(scene, {0.75f * kPeriod, 0, -0.5f * kDepth}, {0.08f, 0.01f});  // partly under ridges
+  const auto with = picture(scene, true, 0.75f * kPeriod), without = picture(scene, true, 0.75f * kPeriod, false);
+  float off = 0;
+  for (size_t i = 0; i < with.size(); ++i) off = std::max(off, glm::distance(with[i], without[i]));
+  EXPECT_LT(off, 1e-5f);
 }
 
 // A chip above the tile: its shadow has no gap and lies where geometry puts it, on a ridge and in a valley.

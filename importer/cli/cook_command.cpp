@@ -7,6 +7,7 @@
 #include "importer/cli/output.h"
 #include "importer/cook.h"
 #include "importer/measured/measured.h"
+#include "importer/repair_log.h"
 #include "material/asset.h"
 #include "material/issues.h"
 
@@ -38,6 +39,7 @@ class CookCommand : public Command {
                    "seed: as published; game: 8 bit, small; reference: as exact as it gets");
     options.text("--components", components_, "Y,CB,CR components; default: the preset's");
     options.integer("--levels", cook_.levels, "Levels of detail; 0: the preset's", 0, 16);
+    options.flag("--fix-nonfinite", fix_nonfinite_, "Repair values that are not finite from their neighbours, and say so");
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
     options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
     options.flag("--explain", explain_, "Print the trade of bytes against error that a goal measured, as a table (* : none better in both)");
@@ -49,8 +51,10 @@ class CookCommand : public Command {
     cook_.threads = globals.threads;
     cook_.quiet = globals.quiet;
     const auto start = std::chrono::steady_clock::now();
+    if (fix_nonfinite_) repairs_ = std::make_shared<RepairLog>();
     auto material = cookInput(globals);
     if (!material) return fail(material.issue());
+    noteRepairs(globals, repairs_.get());
     if (material->name.empty()) material->name = output_.stem().string();
     const Status written = [&] {
       const CommitScope commit;
@@ -83,7 +87,7 @@ class CookCommand : public Command {
 
   Result<Material> cookInput(const GlobalOptions& globals) {
     if (inputKind(input_) == InputKind::kBakedOutput) {
-      const auto baked = BakedOutput::open(input_);
+      const auto baked = BakedOutput::open(input_, repairs_);
       return baked ? cook(*baked, cook_) : Result<Material>(baked.issue());
     }
     auto measured = openMeasured(input_);
@@ -92,7 +96,10 @@ class CookCommand : public Command {
     if (cook_.mode == Mode::kFused) cook_.mode = Mode::kLod;
     note(globals, input_.string() + ": " + (*measured)->format());
     std::string cosine_note;
-    const auto source = withCosine(std::move(*measured), globals.threads, cosine_note);
+    const CosineFlag flag = (*measured)->cosineFlag();
+    std::unique_ptr<BtfSource> finite = std::move(*measured);
+    if (repairs_) finite = repairedSource(std::move(finite), repairs_);
+    const auto source = withCosine(std::move(finite), flag, globals.threads, cosine_note);
     if (!source) return source.issue();
     note(globals, cosine_note);
     return cook(**source, cook_);
@@ -105,6 +112,7 @@ class CookCommand : public Command {
       printJson("cook", {{"input", input_.string()}, {"asset", output_.string()}, {"mode", modeName(material.mode)},
                          {"preset", preset_}, {"bands", material.bands.size()}, {"raw_bytes", raw_bytes},
                          {"file_bytes", file_bytes}, {"seconds", seconds},
+                         {"repaired", repairsJson(repairs_.get())},
                          {"cook", meta.is_discarded() ? nlohmann::ordered_json() : meta}});
       return;
     }
@@ -142,7 +150,8 @@ class CookCommand : public Command {
 
   std::filesystem::path input_, output_;
   std::string mode_ = "fused", preset_ = "game", components_;
-  bool explain_ = false;
+  bool explain_ = false, fix_nonfinite_ = false;
+  std::shared_ptr<RepairLog> repairs_;
   CookOptions cook_;
 };
 

@@ -75,7 +75,7 @@ std::string manifestText(const BakeManifest& m) {
   json["maps"] = {{"btf", m.has_btf}, {"flat", m.has_flat}, {"vdim", m.has_vdim}, {"surface", m.has_surface}};
   json["identity_parameterization"] = m.identity_parameterization;
   json["parameterization"] = {{"flipped_triangles", m.flipped_triangles}, {"area_cv", m.area_cv}, {"area_p5", m.area_p5}, {"area_p95", m.area_p95}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
 }
 
 Result<BakeManifest> parseManifest(const std::string& text, const std::string& where) {

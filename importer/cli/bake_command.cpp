@@ -139,6 +139,15 @@ class BakeCommand : public Command {
     printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),
                         withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(), report.seconds) +
               (complete ? "\n" : "; other shards are still to come\n"));
+    if (globals.verbose && complete) printParameterization();
+  }
+
+  void printParameterization() const {
+    const auto baked = BakedOutput::open(output_);
+    if (!baked) return;
+    const BakeManifest& m = baked->manifest();
+    printText(formatted("parameterization: %d triangles flipped; area per texel: coefficient of variation %.3f, 5 %% below %.3f and 5 %% above %.3f of the mean\n",
+                        m.flipped_triangles, m.area_cv, m.area_p5, m.area_p95));
   }
 
   std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull";

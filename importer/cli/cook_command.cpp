@@ -1,4 +1,5 @@
 // loden cook INPUT -o X.loden
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -55,7 +56,7 @@ class CookCommand : public Command {
     auto material = cookInput(globals);
     if (!material) return fail(material.issue());
     noteRepairs(globals, repairs_.get());
-    if (material->name.empty()) material->name = output_.stem().string();
+    if (!name_.empty()) material->name = name_;
     const Status written = [&] {
       const CommitScope commit;
       return writeAsset(*material, output_);
@@ -85,13 +86,26 @@ class CookCommand : public Command {
     return {};
   }
 
+  // "builtin:pulli" and "tiles/pulli.glb" -> "pulli"; as names of assets are: UTF-8 without control characters.
+  static std::string nameOf(const std::string& tile) {
+    constexpr std::string_view kBuiltin = "builtin:";
+    using Json = nlohmann::ordered_json;
+    const Json stem = std::filesystem::path(tile.starts_with(kBuiltin) ? tile.substr(kBuiltin.size()) : tile).stem().string();
+    std::string name = Json::parse(stem.dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+    std::replace_if(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '_');
+    return name;
+  }
+
   Result<Material> cookInput(const GlobalOptions& globals) {
     if (inputKind(input_) == InputKind::kBakedOutput) {
       const auto baked = BakedOutput::open(input_, repairs_);
-      return baked ? cook(*baked, cook_) : Result<Material>(baked.issue());
+      if (!baked) return baked.issue();
+      name_ = nameOf(baked->manifest().tile);
+      return cook(*baked, cook_);
     }
     auto measured = openMeasured(input_);
     if (!measured) return measured.issue();
+    name_ = nameOf((input_.has_filename() ? input_ : input_.parent_path()).string());
     if (mode_ == "fused") note(globals, "no meso-geometry: cooking with --mode lod");
     if (cook_.mode == Mode::kFused) cook_.mode = Mode::kLod;
     note(globals, input_.string() + ": " + (*measured)->format());
@@ -149,7 +163,7 @@ class CookCommand : public Command {
   }
 
   std::filesystem::path input_, output_;
-  std::string mode_ = "fused", preset_ = "game", components_;
+  std::string mode_ = "fused", preset_ = "game", components_, name_;
   bool explain_ = false, fix_nonfinite_ = false;
   std::shared_ptr<RepairLog> repairs_;
   CookOptions cook_;

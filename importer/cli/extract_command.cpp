@@ -92,6 +92,7 @@ class ExtractCommand : public Command {
     const auto light = parseDirection("--light", light_), view = parseDirection("--view", view_);
     if (!light) return fail(light.issue());
     if (!view) return fail(view.issue());
+    if (const Status status = checkPictureName(output_); !status) return fail(status.issue());
     if (!(lambda_ >= 0 && lambda_ <= 32)) return failUsage("--lambda: must be 0 to 32");
     const auto picture = [&]() -> Result<Picture> {
       switch (inputKind(input_)) {

@@ -113,7 +113,9 @@ struct LodenSurface {
 
 // The analytic appearance at p, filtered.
 LodenSurface loden_fetch_surface(LodenHit hit) {
-  LODEN_COUNT(3);
+  LODEN_COUNT(LODEN_UNIT_NORMAL, 1);
+  LODEN_COUNT(LODEN_UNIT_DIFFUSE, 1);
+  LODEN_COUNT(LODEN_UNIT_SPECULAR, 1);
   vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), hit.lambda).xyz;
   vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), hit.lambda).xyz;
   vec2 specular = textureLod(loden_specular, vec3(hit.p, 0.0), hit.lambda).xy;

@@ -18,7 +18,7 @@ struct Options::Impl {
 
 ExitCode exitCodeOf(const Issue& issue) {
   if (issue.id == issue_id::kOption) return kExitUsage;
-  if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical) return kExitUnsupported;
+  if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical || issue.id == issue_id::kGltfRequired) return kExitUnsupported;
   if (issue.id < 2000) return kExitIo;
   return issue.id < 7000 ? kExitInvalid : kExitRuntime;
 }

@@ -1,7 +1,6 @@
 #include "importer/bake.h"
 
 #include <tbb/global_control.h>
-#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "importer/bake_folder.h"
 #include "importer/bake_scene.h"
 #include "importer/charts.h"
+#include "importer/parallel.h"
 #include "importer/parameterize.h"
 #include "importer/progress.h"
 #include "importer/surface_samples.h"
@@ -173,7 +173,7 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   const TileTracer tracer(tile);
   const BakeScene scene{tracer, manifest, counters};
   BakeItems items(scene, folder);
-  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+  const int threads = usableThreads(options.threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena arena(threads);
   const Status made = arena.execute([&] { return makeItems(items.items(), options, tile_name, counters); });

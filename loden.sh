@@ -231,8 +231,9 @@ verb_bench() {
 }
 
 verb_studies() {
-  build loden
-  mkdir -p out/studies
+  build loden bench_time_error
+  mkdir -p "$LOGS" out/studies
+  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}
   local study
   : >"$LOGS/tools.log"
   for study in $("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p'); do

@@ -1,7 +1,6 @@
 #include "importer/bake.h"
 
 #include <tbb/global_control.h>
-#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "importer/bake_folder.h"
 #include "importer/bake_scene.h"
 #include "importer/charts.h"
+#include "importer/parallel.h"
 #include "importer/parameterize.h"
 #include "importer/progress.h"
 #include "importer/surface_samples.h"
@@ -35,7 +35,9 @@ Status checkOptions(const BakeOptions& o) {
   if (o.bounces < 0 || o.bounces > 16) return refuse("--bounces", "must be 0 to 16");
   if (o.shards < 1 || o.shard < 0 || o.shard >= o.shards) return refuse("--shard", "must be I/N with 0 <= I < N");
   for (const glm::ivec2& v : o.vdims)
-    if (v.x < 2 || v.y < 2 || v.x > 256 || v.y > 256) return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
+    if (v.x < 2 || v.y < 2 || v.x > kMaxVdimSide || v.y > kMaxVdimSide) return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
+  for (const int side : o.concentric_vdims)
+    if (side < 1 || side > kMaxVdimSide) return refuse("--vdim", "a concentric map has 1 to 256 directions per side");
   return {};
 }
 
@@ -60,7 +62,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.bounces = o.bounces;
   m.fill = o.fill;
   m.directions = o.directions.size() > 0 ? o.directions : bonn81Directions();
-  if (o.maps.vdim) m.vdims = o.vdims;
+  if (o.maps.vdim) m.vdims = o.vdims, m.concentric_vdims = o.concentric_vdims;
   m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
   m.identity_parameterization = tile.identity_parameterization;
   const ParameterizationQuality quality = measureParameterization(tile.positions, tile.params, tile.triangles);
@@ -90,9 +92,10 @@ class BakeItems {
   BakeItems(const BakeScene& scene, const fs::path& folder) : scene_(scene), folder_(folder) {
     const BakeManifest& m = scene.manifest;
     for (int view = 0; view < m.directions.size(); ++view) addView(view);
-    if (m.has_vdim)
-      for (const glm::ivec2& size : m.vdims)
-        items_.push_back({{vdimPath(folder, size)}, [this, size] { return write(vdimPath(folder_, size), bakeVdim(scene_, size), PixelType::kFloat); }});
+    for (const glm::ivec2& size : m.vdims)
+      items_.push_back({{vdimPath(folder, size)}, [this, size] { return write(vdimPath(folder_, size), bakeVdim(scene_, size), PixelType::kFloat); }});
+    for (const int side : m.concentric_vdims)
+      items_.push_back({{concentricVdimPath(folder, side)}, [this, side] { return write(concentricVdimPath(folder_, side), bakeConcentricVdim(scene_, side), PixelType::kFloat); }});
     if (m.has_surface) addSurface();
   }
   const std::vector<Item>& items() const { return items_; }
@@ -170,7 +173,7 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   const TileTracer tracer(tile);
   const BakeScene scene{tracer, manifest, counters};
   BakeItems items(scene, folder);
-  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+  const int threads = usableThreads(options.threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena arena(threads);
   const Status made = arena.execute([&] { return makeItems(items.items(), options, tile_name, counters); });

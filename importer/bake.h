@@ -20,7 +20,8 @@ struct BakeOptions {
   int flat_size = 0;        // 0: as size
   int geometry_size = 0;    // 0: max(128, size)
   DirectionSet directions;  // empty: bonn81
-  std::vector<glm::ivec2> vdims{{16, 16}, {8, 32}};
+  std::vector<glm::ivec2> vdims{{16, 16}, {8, 32}};  // latlong, zeniths x azimuths
+  std::vector<int> concentric_vdims;  // depths on the runtime's own grid, directions per side
   int supersample = 2;      // samples per texel side
   int bounces = 0;          // 0: direct light and cast shadows
   FillMethod fill = FillMethod::kPushPull;  // of texels that a view does not see

@@ -43,31 +43,54 @@ void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& w
   scene.counters.rays += rays;
 }
 
-Image bakeVdim(const BakeScene& scene, glm::ivec2 size) {
+namespace {
+
+// An image with a cell of size x size for each view, rows of `columns` cells: store(pixel, x, hit) for every texel
+// centre x; hit is empty where the ray meets no surface, which is counted.
+template <class Store>
+Image traceCells(const BakeScene& scene, const std::vector<glm::dvec3>& views, int columns, int channels, const Store& store) {
   constexpr glm::dvec2 kBeside{1.31e-3, -2.17e-3};  // of a texel: off the edges of regular meshes
-  const int side = scene.manifest.size, zeniths = size.x, azimuths = size.y;
-  const AtlasLayout layout{side, zeniths * azimuths, azimuths};
-  Image image{layout.width(), layout.height(), 2, {}};
-  image.pixels.resize(size_t(layout.width()) * size_t(layout.height()) * 2);
+  const int side = scene.manifest.size;
+  const AtlasLayout layout{side, static_cast<int>(views.size()), columns};
+  Image image{layout.width(), layout.height(), channels, {}};
+  image.pixels.resize(size_t(layout.width()) * size_t(layout.height()) * size_t(channels));
   tbb::parallel_for(0, layout.cells, [&](int cell) {
     const FlushDenormals flush;
-    const int z = cell / azimuths, a = cell % azimuths;
-    const glm::dvec3 wo = directionFromSpherical({kThetaMax * z / (zeniths - 1), 2 * kPi * a / (azimuths - 1)});
     uint64_t misses = 0;
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
         const glm::dvec2 x = (glm::dvec2(i, j) + 0.5 + kBeside) / double(side);
-        const auto hit = scene.tracer.intersectView(x, wo);
+        const auto hit = scene.tracer.intersectView(x, views[size_t(cell)]);
         misses += !hit;
-        const glm::dvec2 displacement = hit ? hit->p - x : glm::dvec2(0);
-        float* pixel = &image.pixels[2 * layout.pixel(cell, i, j)];
-        pixel[0] = float(displacement.x), pixel[1] = float(displacement.y);
+        store(&image.pixels[size_t(channels) * layout.pixel(cell, i, j)], x, hit);
       }
     scene.counters.rays += uint64_t(side) * uint64_t(side);
     scene.counters.hits_due += uint64_t(side) * uint64_t(side);
     scene.counters.misses += misses;
   });
   return image;
+}
+
+}  // namespace
+
+Image bakeVdim(const BakeScene& scene, glm::ivec2 size) {
+  std::vector<glm::dvec3> views;
+  for (int z = 0; z < size.x; ++z)
+    for (int a = 0; a < size.y; ++a)
+      views.push_back(directionFromSpherical({kThetaMax * z / (size.x - 1), 2 * kPi * a / (size.y - 1)}));
+  return traceCells(scene, views, size.y, 2, [](float* pixel, const glm::dvec2& x, const std::optional<TileHit>& hit) {
+    const glm::dvec2 displacement = hit ? hit->p - x : glm::dvec2(0);
+    pixel[0] = float(displacement.x), pixel[1] = float(displacement.y);
+  });
+}
+
+Image bakeConcentricVdim(const BakeScene& scene, int directions) {
+  std::vector<glm::dvec3> views;
+  for (int v = 0; v < directions; ++v)
+    for (int u = 0; u < directions; ++u) views.push_back(vdimViewFromSquare((glm::dvec2(u, v) + 0.5) / double(directions)));
+  return traceCells(scene, views, directions, 1, [&](float* pixel, const glm::dvec2&, const std::optional<TileHit>& hit) {
+    pixel[0] = float(hit ? hit->position.z : scene.tracer.zMin());
+  });
 }
 
 std::vector<uint16_t> ownersOf(const Tile& tile, int side, const std::vector<std::vector<ParamSample>>& located) {

@@ -54,6 +54,8 @@ FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int
 
 // p - x at the texel centres for every view of a latlong map (FBTF 3.4), as the image of baked_output.h.
 Image bakeVdim(const BakeScene& scene, glm::ivec2 zeniths_azimuths);
+// z of the first hit at the texel centres for every view of the grid of `directions` x `directions`, likewise.
+Image bakeConcentricVdim(const BakeScene& scene, int directions);
 
 // Geometry image and surface maps over p.
 struct SurfaceImages {

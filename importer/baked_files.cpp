@@ -47,6 +47,9 @@ fs::path visiblePath(const fs::path& folder, int view) { return viewPath(folder,
 fs::path vdimPath(const fs::path& folder, glm::ivec2 size) {
   return folder / "vdim" / ("latlong_" + std::to_string(size.x) + "x" + std::to_string(size.y) + ".exr");
 }
+fs::path concentricVdimPath(const fs::path& folder, int directions) {
+  return folder / "vdim" / ("concentric_" + std::to_string(directions) + ".exr");
+}
 fs::path surfacePath(const fs::path& folder, const std::string& map) { return folder / "surface" / (map + ".exr"); }
 
 AtlasLayout AtlasLayout::forLights(int side, int lights) {
@@ -68,10 +71,11 @@ std::string manifestText(const BakeManifest& m) {
   json["directions"] = directionsJson(m.directions);
   json["vdims"] = nlohmann::ordered_json::array();
   for (const glm::ivec2& size : m.vdims) json["vdims"].push_back({size.x, size.y});
+  if (!m.concentric_vdims.empty()) json["concentric_vdims"] = m.concentric_vdims;
   json["maps"] = {{"btf", m.has_btf}, {"flat", m.has_flat}, {"vdim", m.has_vdim}, {"surface", m.has_surface}};
   json["identity_parameterization"] = m.identity_parameterization;
   json["parameterization"] = {{"flipped_triangles", m.flipped_triangles}, {"area_cv", m.area_cv}, {"area_p5", m.area_p5}, {"area_p95", m.area_p95}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
 }
 
 Result<BakeManifest> parseManifest(const std::string& text, const std::string& where) {
@@ -96,6 +100,11 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     if (!directions || directions->size() < 1 || directions->size() > kMaxDirections) return refuse("directions are not valid");
     m.directions = *directions;
     for (const auto& size : json.at("vdims")) m.vdims.push_back({size.at(0).get<int>(), size.at(1).get<int>()});
+    m.concentric_vdims = json.value("concentric_vdims", std::vector<int>());
+    for (const glm::ivec2& size : m.vdims)
+      if (size.x < 2 || size.y < 2 || size.x > kMaxVdimSide || size.y > kMaxVdimSide) return refuse("a size in vdims is outside 2.." + std::to_string(kMaxVdimSide));
+    for (const int side : m.concentric_vdims)
+      if (side < 1 || side > kMaxVdimSide) return refuse("a size in concentric_vdims is outside 1.." + std::to_string(kMaxVdimSide));
     const auto& maps = json.at("maps");
     m.has_btf = maps.at("btf").get<bool>(), m.has_flat = maps.at("flat").get<bool>();
     m.has_vdim = maps.at("vdim").get<bool>(), m.has_surface = maps.at("surface").get<bool>();

@@ -14,7 +14,10 @@ std::filesystem::path btfPath(const std::filesystem::path& folder, int view);
 std::filesystem::path flatPath(const std::filesystem::path& folder, int view);
 std::filesystem::path visiblePath(const std::filesystem::path& folder, int view);
 std::filesystem::path vdimPath(const std::filesystem::path& folder, glm::ivec2 zeniths_azimuths);
+std::filesystem::path concentricVdimPath(const std::filesystem::path& folder, int directions);
 std::filesystem::path surfacePath(const std::filesystem::path& folder, const std::string& map);
+
+inline constexpr int kMaxVdimSide = 256;  // zeniths, azimuths, or directions per side, of a VDIM
 
 // The atlas of one view: cells of side x side in rows of `columns`.
 struct AtlasLayout {

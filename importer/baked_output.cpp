@@ -1,7 +1,10 @@
 #include "importer/baked_output.h"
 
+#include <cmath>
+
 #include "importer/baked_files.h"
 #include "importer/image_file.h"
+#include "importer/repair_log.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -46,9 +49,21 @@ std::vector<Texel> texelsOf(const Image& image) {
   return texels;
 }
 
+// Refuses values that are not finite, or repairs them and says so in the log. `part`: the map in messages.
+template <class Texel>
+Status makeFinite(std::vector<Texel>& texels, const MapShape& shape, const char* part, const fs::path& path, RepairLog* repairs) {
+  const std::span<float> values(&texels.data()->x, texels.size() * size_t(Texel::length()));
+  const NonFinite bad = repairs ? repairNonFinite(values, shape) : findNonFinite(values);
+  if (bad.count == 0) return {};
+  const std::string place = placeOf(bad.first, shape, shape.layers > 1 ? "direction" : "");
+  if (repairs) return repairs->add(part, bad.count, place), Status();
+  return Issue{issue_id::kNonFinite, Severity::kError, path.string(),
+               std::to_string(bad.count) + " values are not finite, the first at " + place + "; --fix-nonfinite repairs them"};
+}
+
 }  // namespace
 
-Result<BakedOutput> BakedOutput::open(const fs::path& folder) {
+Result<BakedOutput> BakedOutput::open(const fs::path& folder, std::shared_ptr<RepairLog> repairs) {
   const fs::path path = folder / "bake.json";
   std::error_code error;
   if (!fs::exists(path, error))
@@ -61,6 +76,7 @@ Result<BakedOutput> BakedOutput::open(const fs::path& folder) {
   BakedOutput output;
   output.folder_ = folder;
   output.manifest_ = std::move(*manifest);
+  output.repairs_ = std::move(repairs);
   return output;
 }
 
@@ -98,14 +114,37 @@ Result<std::vector<glm::vec2>> BakedOutput::vdim(int zeniths, int azimuths) cons
         const float* pixel = &image->pixels[2 * layout.pixel(cell, i, j)];
         values.emplace_back(pixel[0], pixel[1]);
       }
+  const Status finite = makeFinite(values, {layout.cells, side, side, 2}, "vdim", vdimPath(folder_, {zeniths, azimuths}), repairs_.get());
+  if (!finite) return finite.issue();
+  return values;
+}
+
+Result<std::vector<float>> BakedOutput::concentricVdim(int directions) const {
+  const int side = manifest_.size;
+  const auto image = readSized(concentricVdimPath(folder_, directions), side * directions, side * directions, 1);
+  if (!image) return image.issue();
+  const AtlasLayout layout{side, directions * directions, directions};
+  std::vector<float> values;
+  values.reserve(image->pixels.size());
+  for (int cell = 0; cell < layout.cells; ++cell)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) values.push_back(image->pixels[layout.pixel(cell, i, j)]);
   return values;
 }
 
 Result<std::vector<glm::vec4>> BakedOutput::geometry() const {
   if (!manifest_.has_surface) return missingMap(folder_, "surface");
-  const auto image = readSized(surfacePath(folder_, "geometry"), manifest_.geometry_size, manifest_.geometry_size, 4);
+  const int side = manifest_.geometry_size;
+  const fs::path path = surfacePath(folder_, "geometry");
+  const auto image = readSized(path, side, side, 4);
   if (!image) return image.issue();
-  return texelsOf<glm::vec4>(*image);
+  auto texels = texelsOf<glm::vec4>(*image);
+  std::vector<size_t> without_chart;  // charts have no mean: a repaired one is none
+  for (size_t t = 0; t < texels.size(); ++t)
+    if (!std::isfinite(texels[t].w)) without_chart.push_back(t);
+  if (const Status finite = makeFinite(texels, {1, side, side, 4}, "geometry", path, repairs_.get()); !finite) return finite.issue();
+  for (const size_t t : without_chart) texels[t].w = 0;
+  return texels;
 }
 
 Result<BakedOutput::Surface> BakedOutput::surface() const {
@@ -117,7 +156,14 @@ Result<BakedOutput::Surface> BakedOutput::surface() const {
   if (!diffuse) return diffuse.issue();
   const auto specular = readSized(surfacePath(folder_, "specular"), side, side, 2);
   if (!specular) return specular.issue();
-  return Surface{texelsOf<glm::vec3>(*normal), texelsOf<glm::vec3>(*diffuse), texelsOf<glm::vec2>(*specular)};
+  Surface maps{texelsOf<glm::vec3>(*normal), texelsOf<glm::vec3>(*diffuse), texelsOf<glm::vec2>(*specular)};
+  const auto check = [&](auto& texels, int channels, const char* map) {
+    return makeFinite(texels, {1, side, side, channels}, map, surfacePath(folder_, map), repairs_.get());
+  };
+  if (const Status finite = check(maps.normal, 3, "normal"); !finite) return finite.issue();
+  if (const Status finite = check(maps.diffuse, 3, "diffuse"); !finite) return finite.issue();
+  if (const Status finite = check(maps.specular, 2, "specular"); !finite) return finite.issue();
+  return maps;
 }
 
 }  // namespace loden::importer

@@ -9,6 +9,8 @@
 //                              (0 = undefined before filling)
 //   vdim/latlong_ZxA.exr       float, channels: per (zenith z, azimuth a) a cell of size x size with
 //                              p - x (2 channels), cell (a, z); views as PaperVdim lays them out
+//   vdim/concentric_N.exr      float, 1 channel: per view of the runtime's own grid of N x N directions
+//                              (vdimViewFromSquare at cell centres) a cell of size x size with z of the first hit
 //   surface/geometry.exr       float: X - p.x, Y - p.y, Z, chart over p, geometry_size squared; charts reach a
 //                              texel beyond their borders; chart 0 is no surface, there XYZ only continue the nearest
 //   surface/normal.exr, diffuse.exr (RGB), specular.exr (strength, exponent): over p, flat_size squared
@@ -18,6 +20,7 @@
 #include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +30,8 @@
 #include "material/result.h"
 
 namespace loden::importer {
+
+class RepairLog;
 
 // Raised when the same tile and options bake to other pixels than before.
 inline constexpr int kBakeRevision = 2;
@@ -43,6 +48,7 @@ struct BakeManifest {
   FillMethod fill = FillMethod::kPushPull;
   DirectionSet directions;  // lights and views alike
   std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
+  std::vector<int> concentric_vdims;  // directions per side of each stored depth map
   bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;
   bool identity_parameterization = false;
   // Of the tile's parameterization: triangles that lie the wrong way round in p, and surface area per parameter
@@ -54,18 +60,24 @@ struct BakeManifest {
 // A finished baked output, read view by view (a 256 x 256 one does not fit in memory at once).
 class BakedOutput {
  public:
-  static Result<BakedOutput> open(const std::filesystem::path& folder);
+  // Maps with values that are not finite are refused, with count and first place; with a log they are repaired and
+  // noted there (importer/repair_log.h). The BTF's values are looked at where they are used: by the fits, and by
+  // bakedSource if there is a log.
+  static Result<BakedOutput> open(const std::filesystem::path& folder, std::shared_ptr<RepairLog> repairs = nullptr);
 
   const BakeManifest& manifest() const { return manifest_; }
   const std::filesystem::path& folder() const { return folder_; }
+  const std::shared_ptr<RepairLog>& repairs() const { return repairs_; }
 
-  // [light][texel] linear RGB of one view; texel = j * size + i.
+  // [light][texel] linear RGB of one view; texel = j * size + i. As stored.
   Result<std::vector<glm::vec3>> btfView(int view) const;
   Result<std::vector<glm::vec3>> flatView(int view) const;
   // [flat texel], 0..1.
   Result<std::vector<float>> visibleView(int view) const;
   // [zenith][azimuth][texel] p - x.
   Result<std::vector<glm::vec2>> vdim(int zeniths, int azimuths) const;
+  // [direction v][direction u][texel] z of the first hit, tile periods, <= 0.
+  Result<std::vector<float>> concentricVdim(int directions) const;
   // [geometry texel] (X - p.x, Y - p.y, Z, chart).
   Result<std::vector<glm::vec4>> geometry() const;
   struct Surface {
@@ -77,6 +89,7 @@ class BakedOutput {
  private:
   std::filesystem::path folder_;
   BakeManifest manifest_;
+  std::shared_ptr<RepairLog> repairs_;
 };
 
 }  // namespace loden::importer

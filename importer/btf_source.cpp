@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "importer/repair_log.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -84,7 +85,9 @@ Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked) {
   if (!baked.manifest().has_btf)
     return Issue{issue_id::kBakeManifest, Severity::kError, baked.folder().string(),
                  "holds no BTF; bake with --maps btf"};
-  return std::unique_ptr<BtfSource>(std::make_unique<BakedSource>(std::move(baked)));
+  auto repairs = baked.repairs();
+  std::unique_ptr<BtfSource> source = std::make_unique<BakedSource>(std::move(baked));
+  return repairs ? repairedSource(std::move(source), std::move(repairs)) : std::move(source);
 }
 
 std::unique_ptr<BtfSource> materialSource(const Evaluator& evaluator, MaterialSampling sampling) {

@@ -26,7 +26,7 @@ class BtfSource {
   virtual Result<std::vector<glm::vec3>> view(int view) const = 0;
 };
 
-// The BTF of a bake. It must have one.
+// The BTF of a bake. It must have one. Repaired if the bake has a log of repairs.
 Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked);
 
 // A material at the centres of `side` x `side` texels. The evaluator must outlive it.

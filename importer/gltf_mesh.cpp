@@ -225,10 +225,12 @@ Status GltfMeshReader::addIndices(int index, size_t first, size_t vertices, cons
   return {};
 }
 
-// Linear RGB at uv (v down, as glTF has it), bilinear, repeated; white if the texture holds no 8-bit pixels.
+// Linear RGB at uv (v down, as glTF has it), bilinear, repeated; white if the texture holds no 8-bit pixels, NaN where
+// uv is not finite.
 glm::vec3 sampleTexture(const tinygltf::Image& image, glm::dvec2 uv) {
   const int w = image.width, h = image.height, channels = image.component;
   if (w < 1 || h < 1 || channels < 3 || image.bits != 8 || image.image.size() < size_t(w) * size_t(h) * size_t(channels)) return glm::vec3(1);
+  if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return glm::vec3(std::nanf(""));
   const glm::dvec2 texel = (uv - glm::floor(uv)) * glm::dvec2(w, h) - 0.5, base = glm::floor(texel), f = texel - base;
   const auto at = [&](int dx, int dy) {
     const int x = (int(base.x) + dx + w) % w, y = (int(base.y) + dy + h) % h;

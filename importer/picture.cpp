@@ -59,6 +59,14 @@ std::vector<unsigned char> rgb8From(const Picture& picture) {
   return bytes;
 }
 
+std::string loweredExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+bool isInteger(const std::string& extension) { return extension == ".png" || extension == ".jpg" || extension == ".jpeg"; }
+
 }  // namespace
 
 Result<Picture> readPicture(const std::filesystem::path& path) {
@@ -76,12 +84,16 @@ Result<Picture> readPicture(const std::filesystem::path& path) {
   return fromChannels(values, spec.width, spec.height, spec.nchannels, srgb);
 }
 
+Status checkPictureName(const std::filesystem::path& path) {
+  const std::string extension = loweredExtension(path);
+  if (isInteger(extension) || extension == ".exr" || extension == ".hdr") return {};
+  return Issue{issue_id::kOption, Severity::kError, path.string(), "output must end in .exr, .hdr, .png or .jpg"};
+}
+
 Status writePicture(const Picture& picture, const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  const bool integer = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-  if (!integer && extension != ".exr" && extension != ".hdr")
-    return Issue{issue_id::kOption, Severity::kError, path.string(), "output must end in .exr, .hdr, .png or .jpg"};
+  if (Status status = checkPictureName(path); !status) return status;
+  const std::string extension = loweredExtension(path);
+  const bool integer = isInteger(extension);
   TemporaryFile temporary(std::filesystem::path(path).replace_extension(".tmp" + extension));
   const auto output = OIIO::ImageOutput::create(temporary.path().string());
   const int channels = extension == ".exr" ? 4 : 3;

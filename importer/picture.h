@@ -20,6 +20,9 @@ struct Picture {
 // Integer formats are decoded from sRGB, float formats are taken as linear. Missing alpha reads as 1.
 Result<Picture> readPicture(const std::filesystem::path& path);
 
+// kOption unless writePicture knows the extension: to be asked before long work.
+Status checkPictureName(const std::filesystem::path& path);
+
 // By the extension: .exr float RGBA linear; .png and .jpg 8 bit sRGB, clamped, without alpha; .hdr RGBE.
 // Written to a temporary file and renamed.
 Status writePicture(const Picture& picture, const std::filesystem::path& path);

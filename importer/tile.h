@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "material/result.h"
 
 namespace loden::importer {
+
+class RepairLog;  // importer/repair_log.h
 
 // Local reflectance of the tile's own surface: f_r = (diffuse + specular * (N.H)^exponent) / pi. In white
 // units (white Lambert lit from above = 1) the value is (diffuse + specular (N.H)^exponent) * max(N.L, 0).
@@ -37,6 +40,8 @@ struct Tile {
 
 struct TileOptions {
   int subdivide = 0;  // OpenSubdiv levels, for a cage
+  // Set: vertices of a file with values that are not finite are repaired from their neighbours and noted here; else an error.
+  std::shared_ptr<RepairLog> repairs{};
 };
 
 // TILE of the command line: "builtin:button|isba|pulli|sponge|weave" or a .gltf/.glb/.obj file of one period whose

@@ -4,6 +4,7 @@
 
 #include "importer/charts.h"
 #include "importer/mesh_repair.h"
+#include "importer/repair_log.h"
 #include "importer/tile_internal.h"
 #include "importer/tile_params.h"
 #include "importer/tile_tracer.h"
@@ -19,16 +20,79 @@ constexpr double kLeastGutter = 1.0 / 32;  // tile periods; charts of files that
 
 Issue refuse(int id, const std::string& where, const std::string& why) { return {id, Severity::kError, where, why}; }
 
-Status checkFinite(const PolygonMesh& mesh, const std::string& where) {
-  size_t bad = 0, first = 0;
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    const double sum = mesh.positions[v].x + mesh.positions[v].y + mesh.positions[v].z +
-                       (mesh.uvs.empty() ? 0.0 : mesh.uvs[v].x + mesh.uvs[v].y) + mesh.normals[v].x + mesh.normals[v].y + mesh.normals[v].z;
-    if (!std::isfinite(sum) && bad++ == 0) first = v;
+bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// Nothing of vertex v but its normal, which can be made anew, fails to be finite.
+bool isSound(const PolygonMesh& mesh, size_t v) {
+  return isFinite(mesh.positions[v]) && (mesh.uvs.empty() || isFinite(glm::dvec3(mesh.uvs[v], 0)));
+}
+bool isFinite(const LocalBrdf& b) {
+  return isFinite(glm::dvec3(b.diffuse)) && isFinite(glm::dvec3(b.f0)) && std::isfinite(b.specular) && std::isfinite(b.exponent) && std::isfinite(b.alpha);
+}
+
+struct BadVertices {
+  size_t count = 0, first = 0;
+};
+BadVertices findNonFinite(const PolygonMesh& mesh) {
+  BadVertices bad;
+  for (size_t v = 0; v < mesh.positions.size(); ++v)
+    if (!(isSound(mesh, v) && isFinite(mesh.normals[v]) && isFinite(mesh.brdfs[v])) && bad.count++ == 0) bad.first = v;
+  return bad;
+}
+
+// Gives every unsound vertex the mean position and texture coordinate of its sound neighbours in faces, where its own
+// is not finite, and the reflectance of one of them; in rounds from the border of a damaged area inwards. What has no
+// neighbour stays as it is.
+void moveUnsoundVertices(PolygonMesh& mesh) {
+  for (bool moved = true; moved;) {
+    moved = false;
+    std::vector<glm::dvec3> position(mesh.positions.size(), glm::dvec3(0));
+    std::vector<glm::dvec2> uv(mesh.positions.size(), glm::dvec2(0));
+    std::vector<int> neighbours(mesh.positions.size(), 0);
+    const auto add = [&](uint32_t to, uint32_t from) {
+      if (isSound(mesh, to) || !isSound(mesh, from)) return;
+      position[to] += mesh.positions[from];
+      if (!mesh.uvs.empty()) uv[to] += mesh.uvs[from];
+      if (!isFinite(mesh.brdfs[to])) mesh.brdfs[to] = mesh.brdfs[from];
+      ++neighbours[to];
+    };
+    size_t first = 0;
+    for (const int size : mesh.face_sizes) {
+      for (int k = 0; k < size; ++k) {
+        const uint32_t a = mesh.corners[first + size_t(k)], b = mesh.corners[first + size_t((k + 1) % size)];
+        add(a, b), add(b, a);
+      }
+      first += size_t(size);
+    }
+    for (size_t v = 0; v < neighbours.size(); ++v) {
+      if (neighbours[v] == 0) continue;
+      if (!isFinite(mesh.positions[v])) mesh.positions[v] = position[v] / double(neighbours[v]);
+      if (!mesh.uvs.empty() && !isFinite(glm::dvec3(mesh.uvs[v], 0))) mesh.uvs[v] = uv[v] / double(neighbours[v]);
+      moved = true;
+    }
   }
-  if (bad == 0) return {};
-  return refuse(issue_id::kTileNonFinite, where + ": vertex " + std::to_string(first),
-                std::to_string(bad) + " of " + std::to_string(mesh.positions.size()) + " vertices hold values that are not finite; repair the mesh");
+}
+
+void repairNonFinite(PolygonMesh& mesh) {
+  moveUnsoundVertices(mesh);
+  for (glm::dvec3& normal : mesh.normals)
+    if (!isFinite(normal)) normal = glm::dvec3(0);  // completeNormals makes it
+  for (LocalBrdf& brdf : mesh.brdfs)
+    if (!isFinite(brdf)) brdf = LocalBrdf();
+}
+
+Status makeFinite(PolygonMesh& mesh, const std::string& where, RepairLog* repairs) {
+  BadVertices bad = findNonFinite(mesh);
+  if (bad.count == 0) return {};
+  if (repairs) {
+    repairs->add(where, bad.count, "vertex " + std::to_string(bad.first));
+    repairNonFinite(mesh);
+    bad = findNonFinite(mesh);
+    if (bad.count == 0) return {};
+  }
+  return refuse(issue_id::kTileNonFinite, where + ": vertex " + std::to_string(bad.first),
+                std::to_string(bad.count) + " of " + std::to_string(mesh.positions.size()) + " vertices hold values that are not finite" +
+                    (repairs ? " and have no neighbour to repair them from" : "; repair the mesh, or let --fix-nonfinite do it"));
 }
 
 // Area-weighted over the triangles around each point of the periodic surface, for vertices that have none.
@@ -88,7 +152,7 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
   auto mesh = readMesh(path);
   if (!mesh) return mesh.issue();
   if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "no faces; a tile needs a surface");
-  if (const Status status = checkFinite(*mesh, where); !status) return status.issue();
+  if (const Status status = makeFinite(*mesh, where, options.repairs.get()); !status) return status.issue();
   if (options.subdivide == 0)  // OpenSubdiv judges cages itself
     if (const Status status = repairMesh(*mesh, where); !status) return status.issue();
   if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "all triangles are degenerate: their corners lie on lines");

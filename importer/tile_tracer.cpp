@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "material/check.h"
@@ -22,8 +25,19 @@ constexpr int kLanes = 8;              // rays in a packet
 constexpr int kMaxSegments = 4096;     // of one ray; bounds nearly horizontal ones
 constexpr size_t kMaxCopies = 2'000'000;  // triangles in the scene, if the tile itself has fewer
 
+// Memory is what Embree is expected to lack at times; callers treat that as any other allocation. Null: what kept a
+// device from being made.
+void throwIfFailed(RTCDevice device) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree fails with error " + std::to_string(error) + (error == RTC_ERROR_UNSUPPORTED_CPU ? ", a processor without AVX2" : ""));
+}
+
 struct Device {
   RTCDevice device = rtcNewDevice("threads=1,isa=avx2");
+  Device() {
+    if (!device) throwIfFailed(nullptr);
+  }
   ~Device() { rtcReleaseDevice(device); }
 };
 
@@ -124,8 +138,10 @@ void TileTracer::Impl::build() {
 
   RTCGeometry geometry = rtcNewGeometry(sharedDevice(), RTC_GEOMETRY_TYPE_TRIANGLE);
   void* into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices.size());
+  throwIfFailed(sharedDevice());
   std::copy(vertices.begin(), vertices.end(), static_cast<glm::vec3*>(into));
   into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), indices.size());
+  throwIfFailed(sharedDevice());
   std::copy(indices.begin(), indices.end(), static_cast<glm::uvec3*>(into));
   rtcCommitGeometry(geometry);
   scene = rtcNewScene(sharedDevice());
@@ -134,6 +150,7 @@ void TileTracer::Impl::build() {
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
+  throwIfFailed(sharedDevice());
 }
 
 std::optional<TileTracer::Impl::Segment> TileTracer::Impl::segment(const glm::dvec3& origin, const glm::dvec3& direction) const {

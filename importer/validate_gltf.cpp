@@ -6,6 +6,7 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/pack.h"
 #include "material/asset.h"
+#include "material/gltf_extensions.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -37,9 +38,11 @@ class SceneCheck {
   static std::string at(const char* list, size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
 
   void checkRequired() {
-    for (size_t i = 0; i < arraySize(json_, "extensionsRequired"); ++i)
-      if (json_["extensionsRequired"][i] != kExtensionName)
-        add(issue_id::kGltfRequired, at("extensionsRequired", i), json_["extensionsRequired"][i].dump() + " is not known to Loden");
+    for (size_t i = 0; i < arraySize(json_, "extensionsRequired"); ++i) {
+      const Json& name = json_["extensionsRequired"][i];
+      if (!name.is_string() || !isSupportedGltfExtension(name.get<std::string>()))
+        add(issue_id::kGltfRequired, at("extensionsRequired", i), name.dump() + " is not known to Loden");
+    }
   }
 
   // All sums in 64 bit; members are at most 2^53 in valid JSON, so that nothing overflows.

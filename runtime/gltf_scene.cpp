@@ -1,21 +1,17 @@
 #include "runtime/gltf_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <optional>
 #include <span>
 
+#include "material/gltf_extensions.h"
 #include "material/json_depth.h"
 #include "runtime/gltf_guard.h"
 #include "runtime/gltf_reader.h"
 
 namespace loden::runtime {
 namespace {
-
-// Extensions that a file may require: those that are drawn, or change nothing in what is.
-constexpr std::array<std::string_view, 3> kSupportedExtensions{"KHR_lights_punctual", "KHR_mesh_quantization",
-                                                               "LODEN_materials_flat_btf"};
 
 // tinygltf's access to files, confined to one folder.
 struct ConfinedFiles {
@@ -56,7 +52,7 @@ bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, cons
 
 Status checkRequired(const tinygltf::Model& model, const std::string& file) {
   for (const std::string& name : model.extensionsRequired)
-    if (std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) == kSupportedExtensions.end())
+    if (!isSupportedGltfExtension(name))
       return Issue{issue_id::kGltfRequired, Severity::kError, file + ": extensionsRequired",
                    "needs " + name.substr(0, 100) + ", which is not supported: export without it"};
   return {};

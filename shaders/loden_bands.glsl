@@ -21,7 +21,8 @@ LodenTablePosition loden_table_position(vec3 wi, vec3 wo) {
   at.view_index = 0;
 #ifdef LODEN_TABLES_NEAREST
   vec2 size = vec2(textureSize(loden_nearest_light, 0));
-  LODEN_COUNT(2);
+  LODEN_COUNT(LODEN_UNIT_NEAREST_LIGHT, 1);
+  LODEN_COUNT(LODEN_UNIT_NEAREST_VIEW, 1);
   at.light_index = int(texelFetch(loden_nearest_light, ivec2(clamp((wi.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
   at.view_index = int(texelFetch(loden_nearest_view, ivec2(clamp((wo.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
 #endif
@@ -30,7 +31,7 @@ LodenTablePosition loden_table_position(vec3 wi, vec3 wo) {
 
 vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
 #ifdef LODEN_TABLES_NEAREST
-  LODEN_COUNT(1);
+  LODEN_COUNT(LODEN_UNIT_TABLE + band, 1);
   return texelFetch(loden_table[band], ivec3(at.light_index, at.view_index, quad), 0);
 #else
   vec4 grid = loden_material.bands[band].grid;
@@ -38,7 +39,7 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
   float row = min(floor(view.y), grid.x - 2.0);
   vec3 texel_size = vec3(grid.wz, loden_material.bands[band].mip.w);
   vec3 texel = vec3(light.x + 0.5, row * grid.x + light.y + 0.5, float(quad) * grid.y + view.x + 0.5);
-  LODEN_COUNT(2);
+  LODEN_COUNT(LODEN_UNIT_TABLE + band, 2);
   vec4 below = textureLod(loden_table[band], texel * texel_size, 0.0);
   vec4 above = textureLod(loden_table[band], (texel + vec3(0.0, grid.x, 0.0)) * texel_size, 0.0);
   return mix(below, above, view.y - row);
@@ -46,7 +47,7 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
 }
 
 vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
-  LODEN_COUNT(1);
+  LODEN_COUNT(LODEN_UNIT_WEIGHTS + band, 1);
 #ifdef LODEN_TABLES_NEAREST
   if ((loden_material.bands[band].layout_.x & LODEN_BAND_LINEAR) == 0) {
     float side = loden_material.bands[band].mip.z;

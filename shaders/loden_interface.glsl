@@ -9,11 +9,14 @@
 #define LODEN_BLOCK(n) layout(std140, binding = n)
 #endif
 
+// LODEN_COUNT(unit, n) stands beside n texture instructions on a unit. An instrumented renderer may define its own.
+#ifndef LODEN_COUNT
 #ifdef LODEN_COUNT_FETCHES
 int loden_fetches = 0;  // texture instructions issued by this invocation
-#define LODEN_COUNT(n) (loden_fetches += (n))
+#define LODEN_COUNT(unit, n) (loden_fetches += (n))
 #else
-#define LODEN_COUNT(n)
+#define LODEN_COUNT(unit, n)
+#endif
 #endif
 
 LODEN_BLOCK(LODEN_BLOCK_MATERIAL) uniform LodenMaterialBlock { LodenMaterialData loden_material; };

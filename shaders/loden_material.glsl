@@ -139,13 +139,14 @@ struct LodenSurface {
 
 // The analytic appearance at p, filtered.
 LodenSurface loden_fetch_surface(LodenHit hit) {
-  LODEN_COUNT(2);
+  LODEN_COUNT(LODEN_UNIT_NORMAL, 1);
+  LODEN_COUNT(LODEN_UNIT_DIFFUSE, 1);
   vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), hit.lambda).xyz;
   vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), hit.lambda).xyz;
   vec2 specular = vec2(0.0);
   // A loop, so that renderers which run both sides of every branch skip it too.
   for (int k = 0; k < (loden_material.flags.x & LODEN_SPECULAR) / LODEN_SPECULAR; ++k) {
-    LODEN_COUNT(1);
+    LODEN_COUNT(LODEN_UNIT_SPECULAR, 1);
     specular = textureLod(loden_specular, vec3(hit.p, 0.0), hit.lambda).xy;
   }
   float length_ = max(sqrt(dot(mapped, mapped)), 1e-4);

@@ -89,7 +89,7 @@ LodenNearestLayers loden_nearest_layers(int directions, vec2 square) {
 vec4 loden_gather_depths(int layer, vec2 x) {
   float n = float(loden_material.flags.z);
   vec2 base = floor(x * n - 0.5);
-  LODEN_COUNT(1);
+  LODEN_COUNT(LODEN_UNIT_VDIM_DEPTH, 1);
   vec4 code = textureGather(loden_vdim_depth, vec3((base + 1.0) / n, float(layer)), 0).wzxy;
   return (code - 1.0) * loden_material.geometry.z;
 }
@@ -100,7 +100,7 @@ vec2 loden_parameter_near(vec2 point, float z) {
   vec3 size = vec3(textureSize(loden_vdim_volume, 0));
   vec2 wrapped = point - floor(point);
   float slice = clamp(z / -loden_material.geometry.z * size.z, 0.0, size.z - 0.5);
-  LODEN_COUNT(1);
+  LODEN_COUNT(LODEN_UNIT_VDIM_VOLUME, 1);
   vec2 d = texelFetch(loden_vdim_volume, ivec3(min(vec3(wrapped * size.xy, slice), size - 1.0)), 0).xy;
   return point + d * 0.5;
 }
@@ -114,7 +114,7 @@ struct LodenPatch {
 LodenPatch loden_fetch_patch(vec2 base) {
   vec3 range = loden_material.geometry.xyz;
   float n = loden_material.geometry.w;
-  LODEN_COUNT(1);
+  LODEN_COUNT(LODEN_UNIT_GEOMETRY, 1);
   uvec4 code = textureGather(loden_geometry, (base + 1.0) / n, 0);
   bool identity = (loden_material.flags.x & LODEN_IDENTITY) != 0;
   vec4 x = (vec4(code & 1023u) - 511.0) * (1.0 / 1022.0) * range.x;
@@ -282,7 +282,8 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
 vec2 loden_paper_vdim_lookup(vec2 x, vec3 wo) {
   float side = float(textureSize(loden_paper_reference, 0).x);
   vec2 texel = min(floor((x - floor(x)) * side), vec2(side - 1.0));
-  LODEN_COUNT(2);
+  LODEN_COUNT(LODEN_UNIT_PAPER_REFERENCE, 1);
+  LODEN_COUNT(LODEN_UNIT_PAPER_PACKED, 1);
   vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper.x;
   float theta = min(acos(clamp(wo.z, -1.0, 1.0)), 85.0 * LODEN_PI / 180.0);
   float phi = wo.x == 0.0 && wo.y == 0.0 ? 0.0 : atan(wo.y, wo.x);

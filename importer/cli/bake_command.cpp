@@ -6,6 +6,7 @@
 #include "importer/btf_source.h"
 #include "importer/cli/output.h"
 #include "importer/measured/bonn_folder.h"
+#include "importer/repair_log.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -15,16 +16,23 @@ Issue optionIssue(const std::string& option, const std::string& text) {
   return {issue_id::kOption, Severity::kError, option, text};
 }
 
-// "latlong:16x16" -> (16, 16).
-Result<glm::ivec2> parseVdim(const std::string& text) {
-  if (text.starts_with("concentric:"))
-    return Issue{issue_id::kVersion, Severity::kError, "--vdim " + text,
-                 "is not stored: the runtime builds the concentric atlas from the geometry image at load"};
-  if (!text.starts_with("latlong:")) return optionIssue("--vdim", "'" + text + "' is not latlong:ZxA");
-  auto extent = parseExtent("--vdim", text.substr(8));
-  if (extent && (extent->x < 2 || extent->y < 2))
-    return optionIssue("--vdim", "'" + text + "' needs at least 2 zeniths and 2 azimuths");
-  return extent;
+// "latlong:16x16" and "concentric:16".
+Status parseVdim(const std::string& text, BakeOptions& bake) {
+  if (text.starts_with("concentric:")) {
+    int side = 0, used = 0;
+    const std::string number = text.substr(11);
+    if (std::sscanf(number.c_str(), "%d%n", &side, &used) != 1 || used != static_cast<int>(number.size()) || side < 1 || side > 256)
+      return optionIssue("--vdim", "'" + text + "' is not concentric:N with N from 1 to 256");
+    bake.concentric_vdims.push_back(side);
+    return {};
+  }
+  if (!text.starts_with("latlong:")) return optionIssue("--vdim", "'" + text + "' is neither latlong:ZxA nor concentric:N");
+  const auto extent = parseExtent("--vdim", text.substr(8));
+  if (!extent) return extent.issue();
+  if (extent->x < 2 || extent->y < 2 || extent->x > 256 || extent->y > 256)
+    return optionIssue("--vdim", "'" + text + "' must have 2 to 256 zeniths and azimuths");
+  bake.vdims.push_back(*extent);
+  return {};
 }
 
 Result<BakeMaps> parseMaps(const std::vector<std::string>& names) {
@@ -51,12 +59,13 @@ class BakeCommand : public Command {
     options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
     options.integer("--geometry-size", bake_.geometry_size, "Texels per side of the geometry image; 0: 128, or as --size if that is more", 0, 2048);
     options.text("--directions", directions_, "Sampled lights and views: bonn81, ubo151 or NxN (concentric)");
-    options.texts("--vdim", vdims_, "Indirection maps, latlong:ZxA, with commas between");
+    options.texts("--vdim", vdims_, "Indirection maps, with commas between: latlong:ZxA (p - x), concentric:N (depths on the runtime's grid; no cook needs it, see extract)");
     options.integer("--supersample", bake_.supersample, "Samples per texel side", 1, 16);
     options.integer("--bounces", bake_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
     options.choice("--fill", fill_, {"push-pull", "harmonic"}, "How texels that a view does not see are filled");
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
     options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
+    options.flag("--fix-nonfinite", fix_nonfinite_, "Repair vertices whose values are not finite from their neighbours, and say so");
     options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
     options.choice("--layout", layout_, {"loden", "bonn"}, "bonn: also write the BTF as Bonn's image folder, into DIR/bonn");
     options.choice("--encoding", encoding_, {"jpg", "hdr", "exr"}, "Images of --layout bonn");
@@ -68,8 +77,10 @@ class BakeCommand : public Command {
     if (const Status status = parse(); !status) return fail(status.issue());
     bake_.threads = globals.threads;
     bake_.quiet = globals.quiet;
-    const auto tile = loadTile(tile_, {subdivide_});
+    if (fix_nonfinite_) repairs_ = std::make_shared<RepairLog>();
+    const auto tile = loadTile(tile_, {subdivide_, repairs_});
     if (!tile) return fail(tile.issue());
+    noteRepairs(globals, repairs_.get());
     const auto report = bake(*tile, tile_, output_, bake_);
     if (!report) return fail(report.issue());
     if (layout_ == "bonn")
@@ -85,11 +96,8 @@ class BakeCommand : public Command {
       return optionIssue("--directions", "'" + directions_ + "' is none of bonn81, ubo151, NxN");
     bake_.directions = *directions;
     bake_.vdims.clear();
-    for (const std::string& text : vdims_) {
-      const auto vdim = parseVdim(text);
-      if (!vdim) return vdim.issue();
-      bake_.vdims.push_back(*vdim);
-    }
+    for (const std::string& text : vdims_)
+      if (const Status status = parseVdim(text, bake_); !status) return status;
     bake_.fill = fill_ == "harmonic" ? FillMethod::kHarmonic : FillMethod::kPushPull;
     const auto maps = parseMaps(maps_);
     if (!maps) return maps.issue();
@@ -125,12 +133,21 @@ class BakeCommand : public Command {
     if (globals.json) {
       printJson("bake", {{"tile", tile_}, {"folder", output_.string()}, {"complete", complete},
                          {"triangles", tile.triangles.size()}, {"rays", report.rays}, {"misses", report.misses},
-                         {"seconds", report.seconds}});
+                         {"seconds", report.seconds}, {"repaired", repairsJson(repairs_.get())}});
       return;
     }
     printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),
                         withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(), report.seconds) +
               (complete ? "\n" : "; other shards are still to come\n"));
+    if (globals.verbose && complete) printParameterization();
+  }
+
+  void printParameterization() const {
+    const auto baked = BakedOutput::open(output_);
+    if (!baked) return;
+    const BakeManifest& m = baked->manifest();
+    printText(formatted("parameterization: %d triangles flipped; area per texel: coefficient of variation %.3f, 5 %% below %.3f and 5 %% above %.3f of the mean\n",
+                        m.flipped_triangles, m.area_cv, m.area_p5, m.area_p95));
   }
 
   std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull";
@@ -138,6 +155,8 @@ class BakeCommand : public Command {
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;
   int subdivide_ = 0;
+  bool fix_nonfinite_ = false;
+  std::shared_ptr<RepairLog> repairs_;
   BakeOptions bake_;
 };
 

@@ -18,7 +18,7 @@ struct Options::Impl {
 
 ExitCode exitCodeOf(const Issue& issue) {
   if (issue.id == issue_id::kOption) return kExitUsage;
-  if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical) return kExitUnsupported;
+  if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical || issue.id == issue_id::kGltfRequired) return kExitUnsupported;
   if (issue.id < 2000) return kExitIo;
   return issue.id < 7000 ? kExitInvalid : kExitRuntime;
 }
@@ -96,7 +96,13 @@ void Options::texts(const std::string& names, std::vector<std::string>& value, c
   impl_.app->add_option(names, value, help)->delimiter(',')->allow_extra_args(false);  // else it takes the positional, too
 }
 
-void Options::footer(const std::string& text) { impl_.app->footer("\n" + text); }
+namespace {
+
+constexpr const char* kGlobalsNote = "Also --format text|json, --threads N, -q and -v of every verb; see 'loden --help'.";
+
+}  // namespace
+
+void Options::footer(const std::string& text) { impl_.app->footer("\n" + text + "\n" + kGlobalsNote); }
 
 namespace {
 
@@ -108,7 +114,7 @@ void declareGlobals(CLI::App& app, GlobalOptions& globals) {
       ->default_str("text");
   app.add_option("--threads", globals.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024))->type_name("N");
   app.add_flag("-q,--quiet", globals.quiet, "No progress, no notes");
-  app.add_flag("-v,--verbose", globals.verbose, "More notes");
+  app.add_flag("-v,--verbose", globals.verbose, "More of what a bake or cook found");
 }
 
 int explainUsage(const CLI::App& app, const CLI::ParseError& error) {
@@ -120,9 +126,16 @@ int explainUsage(const CLI::App& app, const CLI::ParseError& error) {
   return kExitUsage;
 }
 
+// Data that did not reach stdout is an I/O error, whatever the verb found.
+int flushed(int exit_code) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exit_code;
+  std::fprintf(stderr, "loden: standard output cannot be written: is the disk full?\n");
+  return kExitIo;
+}
+
 int runGuarded(Command& command, const GlobalOptions& globals) {
   try {
-    return command.run(globals);
+    return flushed(command.run(globals));
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "loden %s: out of memory; try a smaller --size or fewer threads\n",
                  std::string(command.name()).c_str());
@@ -134,7 +147,7 @@ int runGuarded(Command& command, const GlobalOptions& globals) {
 
 constexpr const char* kFooter =
     "\nExit codes: 0 ok, 1 usage, 2 cannot read or write, 3 invalid input, 4 runtime or memory, 5 unsupported,\n"
-    "7 difference found, 130 interrupted. Data goes to stdout, messages and progress to stderr.\n\n"
+    "7 difference found, 130 interrupted, 143 terminated. Data goes to stdout, messages and progress to stderr.\n\n"
     "From a tile to a material in a scene:\n"
     "  loden bake builtin:pulli -o out/pulli\n"
     "  loden cook out/pulli -o pulli.loden\n"
@@ -155,6 +168,7 @@ int runCommandLine(int argc, char** argv, const std::vector<std::unique_ptr<Comm
   std::vector<CLI::App*> verbs;
   for (const auto& command : commands) {
     CLI::App* verb = app.add_subcommand(std::string(command->name()), std::string(command->summary()));
+    verb->footer(std::string("\n") + kGlobalsNote);
     verb->fallthrough();  // the global options may stand behind the verb
     Options::Impl impl{verb};
     Options options(impl);

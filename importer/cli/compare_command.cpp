@@ -60,7 +60,9 @@ class CompareCommand : public Command {
     for (const auto& path : {reference_, test_})
       if (inputKind(path) == InputKind::kMissing)
         return fail({issue_id::kCannotOpen, Severity::kError, path.string(), "no such file or folder"});
-    const bool pictures = inputKind(reference_) == InputKind::kPicture || inputKind(test_) == InputKind::kPicture;
+    const bool pictures = inputKind(reference_) == InputKind::kPicture;
+    if (pictures != (inputKind(test_) == InputKind::kPicture))
+      return failUsage("a picture can be compared with a picture only; `loden extract` makes one of a material");
     return pictures ? runPictures(globals) : runMaterials(globals);
   }
 

@@ -1,4 +1,5 @@
 // loden cook INPUT -o X.loden
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,7 @@
 #include "importer/cli/output.h"
 #include "importer/cook.h"
 #include "importer/measured/measured.h"
+#include "importer/repair_log.h"
 #include "material/asset.h"
 #include "material/issues.h"
 
@@ -38,6 +40,7 @@ class CookCommand : public Command {
                    "seed: as published; game: 8 bit, small; reference: as exact as it gets");
     options.text("--components", components_, "Y,CB,CR components; default: the preset's");
     options.integer("--levels", cook_.levels, "Levels of detail; 0: the preset's", 0, 16);
+    options.flag("--fix-nonfinite", fix_nonfinite_, "Repair values that are not finite from their neighbours, and say so");
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
     options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
     options.flag("--explain", explain_, "Print the trade of bytes against error that a goal measured, as a table (* : none better in both)");
@@ -49,9 +52,11 @@ class CookCommand : public Command {
     cook_.threads = globals.threads;
     cook_.quiet = globals.quiet;
     const auto start = std::chrono::steady_clock::now();
+    if (fix_nonfinite_) repairs_ = std::make_shared<RepairLog>();
     auto material = cookInput(globals);
     if (!material) return fail(material.issue());
-    if (material->name.empty()) material->name = output_.stem().string();
+    noteRepairs(globals, repairs_.get());
+    if (!name_.empty()) material->name = name_;
     const Status written = [&] {
       const CommitScope commit;
       return writeAsset(*material, output_);
@@ -81,18 +86,34 @@ class CookCommand : public Command {
     return {};
   }
 
+  // "builtin:pulli" and "tiles/pulli.glb" -> "pulli"; as names of assets are: UTF-8 without control characters.
+  static std::string nameOf(const std::string& tile) {
+    constexpr std::string_view kBuiltin = "builtin:";
+    using Json = nlohmann::ordered_json;
+    const Json stem = std::filesystem::path(tile.starts_with(kBuiltin) ? tile.substr(kBuiltin.size()) : tile).stem().string();
+    std::string name = Json::parse(stem.dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+    std::replace_if(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '_');
+    return name;
+  }
+
   Result<Material> cookInput(const GlobalOptions& globals) {
     if (inputKind(input_) == InputKind::kBakedOutput) {
-      const auto baked = BakedOutput::open(input_);
-      return baked ? cook(*baked, cook_) : Result<Material>(baked.issue());
+      const auto baked = BakedOutput::open(input_, repairs_);
+      if (!baked) return baked.issue();
+      name_ = nameOf(baked->manifest().tile);
+      return cook(*baked, cook_);
     }
     auto measured = openMeasured(input_);
     if (!measured) return measured.issue();
+    name_ = nameOf((input_.has_filename() ? input_ : input_.parent_path()).string());
     if (mode_ == "fused") note(globals, "no meso-geometry: cooking with --mode lod");
     if (cook_.mode == Mode::kFused) cook_.mode = Mode::kLod;
     note(globals, input_.string() + ": " + (*measured)->format());
     std::string cosine_note;
-    const auto source = withCosine(std::move(*measured), globals.threads, cosine_note);
+    const CosineFlag flag = (*measured)->cosineFlag();
+    std::unique_ptr<BtfSource> finite = std::move(*measured);
+    if (repairs_) finite = repairedSource(std::move(finite), repairs_);
+    const auto source = withCosine(std::move(finite), flag, globals.threads, cosine_note);
     if (!source) return source.issue();
     note(globals, cosine_note);
     return cook(**source, cook_);
@@ -105,6 +126,7 @@ class CookCommand : public Command {
       printJson("cook", {{"input", input_.string()}, {"asset", output_.string()}, {"mode", modeName(material.mode)},
                          {"preset", preset_}, {"bands", material.bands.size()}, {"raw_bytes", raw_bytes},
                          {"file_bytes", file_bytes}, {"seconds", seconds},
+                         {"repaired", repairsJson(repairs_.get())},
                          {"cook", meta.is_discarded() ? nlohmann::ordered_json() : meta}});
       return;
     }
@@ -141,8 +163,9 @@ class CookCommand : public Command {
   }
 
   std::filesystem::path input_, output_;
-  std::string mode_ = "fused", preset_ = "game", components_;
-  bool explain_ = false;
+  std::string mode_ = "fused", preset_ = "game", components_, name_;
+  bool explain_ = false, fix_nonfinite_ = false;
+  std::shared_ptr<RepairLog> repairs_;
   CookOptions cook_;
 };
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/cli/output.h"
+#include "importer/cli/sibling_program.h"
 #include "importer/doctor.h"
 
 extern char** environ;
@@ -15,14 +16,6 @@ namespace loden::importer {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// The walkthrough beside this executable; empty if it is not there.
-std::filesystem::path walkPath() {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const auto walk = self.parent_path() / "loden_walk";
-  return !error && access(walk.c_str(), X_OK) == 0 ? walk : std::filesystem::path();
-}
 
 // Standard output of `program --doctor --format json`; empty if it cannot be run or fails.
 std::string outputOf(const std::filesystem::path& program) {
@@ -54,7 +47,7 @@ class DoctorCommand : public Command {
   void declare(Options&) override {}
 
   int run(const GlobalOptions& globals) override {
-    const auto walk = walkPath();
+    const auto walk = siblingProgram("loden_walk");
     const Json gl = walk.empty() ? Json() : Json::parse(outputOf(walk), nullptr, false);
     std::vector<std::string> missing;
     if (walk.empty()) missing.emplace_back("loden_walk is not beside loden: no OpenGL report; build the target loden_walk");

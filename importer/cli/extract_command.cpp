@@ -37,6 +37,18 @@ Picture pictureFromTexture(const Texture& texture) {
   return picture;
 }
 
+// Cells of side x side, [cell][row][column], in rows of `columns` from the top down; y points up in each.
+template <class Value, class ToPixel>
+Picture mosaic(const std::vector<Value>& values, int side, int columns, const ToPixel& to_pixel) {
+  const int cells = static_cast<int>(values.size() / (size_t(side) * size_t(side)));
+  const int rows = (cells + columns - 1) / columns;
+  Picture picture{side * columns, side * rows, std::vector<glm::vec4>(size_t(side) * size_t(side) * size_t(columns) * size_t(rows))};
+  for (int cell = 0; cell < cells; ++cell)
+    for (int t = 0; t < side * side; ++t)
+      picture.at(cell % columns * side + t % side, cell / columns * side + side - 1 - t / side) = to_pixel(values[size_t(cell) * size_t(side) * size_t(side) + size_t(t)]);
+  return picture;
+}
+
 using NamedTextures = std::vector<std::pair<std::string, const Texture*>>;
 
 NamedTextures texturesOf(const Material& material) {
@@ -71,7 +83,7 @@ class ExtractCommand : public Command {
     options.choice("--domain", domain_, {"reference", "flat"}, "reference: as seen, over x; flat: unwrapped, over p");
     options.choice("--lookup", lookup_, {"default", "fast", "paper", "none"}, "How the asset finds p");
     options.integer("--side", side_, "Texels per side; 0: the material's at lambda", 0, 8192);
-    options.text("--map", map_, "Write this stored map instead, for example normal or band0.weights; of a seed preset also packed.eigen and packed.weights (Ma et al. 2005, figure 5)");
+    options.text("--map", map_, "Write this stored map instead, for example normal, band0.weights, or of a bake vdim.latlong:16x16; a wrong name lists those there are; of a seed preset also packed.eigen and packed.weights (Ma et al. 2005, figure 5)");
     options.path("-o,--output", output_, ".exr (linear), .hdr, .png or .jpg (sRGB)", true);
     options.footer("Of a baked output, light and view are the nearest sampled ones; the report names them.");
   }
@@ -80,6 +92,7 @@ class ExtractCommand : public Command {
     const auto light = parseDirection("--light", light_), view = parseDirection("--view", view_);
     if (!light) return fail(light.issue());
     if (!view) return fail(view.issue());
+    if (const Status status = checkPictureName(output_); !status) return fail(status.issue());
     if (!(lambda_ >= 0 && lambda_ <= 32)) return failUsage("--lambda: must be 0 to 32");
     const auto picture = [&]() -> Result<Picture> {
       switch (inputKind(input_)) {
@@ -161,6 +174,7 @@ class ExtractCommand : public Command {
   Result<Picture> bakedMap() {
     const auto baked = BakedOutput::open(input_);
     if (!baked) return baked.issue();
+    if (map_.starts_with("vdim.") || map_ == "geometry") return bakedGeometry(*baked);
     const auto surface = baked->surface();
     if (!surface) return surface.issue();
     const glm::ivec2 size(baked->manifest().flat_size);
@@ -172,7 +186,38 @@ class ExtractCommand : public Command {
       for (const glm::vec2& s : surface->specular) values.emplace_back(s, 0);
       return pictureFromSlice(values, size);
     }
-    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "a baked output has normal, diffuse and specular"};
+    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "this bake has " + bakedMapNames(baked->manifest())};
+  }
+
+  static std::string bakedMapNames(const BakeManifest& m) {
+    std::string names = "normal, diffuse, specular, geometry";
+    for (const glm::ivec2& size : m.vdims) names += ", vdim.latlong:" + std::to_string(size.x) + "x" + std::to_string(size.y);
+    for (const int side : m.concentric_vdims) names += ", vdim.concentric:" + std::to_string(side);
+    return names;
+  }
+
+  // Positions over p, or the cells of an indirection map, one per view.
+  Result<Picture> bakedGeometry(const BakedOutput& baked) {
+    const BakeManifest& m = baked.manifest();
+    report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
+    if (map_ == "geometry") {
+      const auto texels = baked.geometry();
+      if (!texels) return texels.issue();
+      return mosaic<glm::vec4>(*texels, m.geometry_size, 1, [](const glm::vec4& v) { return glm::vec4(glm::vec3(v), 1); });
+    }
+    for (const glm::ivec2& size : m.vdims) {
+      if (map_ != "vdim.latlong:" + std::to_string(size.x) + "x" + std::to_string(size.y)) continue;
+      const auto cells = baked.vdim(size.x, size.y);
+      if (!cells) return cells.issue();
+      return mosaic<glm::vec2>(*cells, m.size, size.y, [](const glm::vec2& v) { return glm::vec4(v, 0, 1); });
+    }
+    for (const int side : m.concentric_vdims) {
+      if (map_ != "vdim.concentric:" + std::to_string(side)) continue;
+      const auto cells = baked.concentricVdim(side);
+      if (!cells) return cells.issue();
+      return mosaic<float>(*cells, m.size, side, [](float z) { return glm::vec4(z, z, z, 1); });
+    }
+    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "this bake has " + bakedMapNames(m)};
   }
 
   std::filesystem::path input_, output_;

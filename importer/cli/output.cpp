@@ -1,5 +1,6 @@
 #include "importer/cli/output.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/cli/interrupt.h"
+#include "importer/repair_log.h"
 #include "material/atomic_file.h"
 #include "material/directions.h"
 #include "material/issues.h"
@@ -40,6 +42,16 @@ void note(const GlobalOptions& globals, const std::string& text) {
   if (!globals.quiet) std::fprintf(stderr, "%s\n", text.c_str());
 }
 
+void noteRepairs(const GlobalOptions& globals, const RepairLog* repairs) {
+  if (repairs && repairs->count() > 0)
+    note(globals, "repaired " + withThousands(repairs->count()) + " values that are not finite, the first of " + repairs->first());
+}
+
+nlohmann::ordered_json repairsJson(const RepairLog* repairs) {
+  const uint64_t count = repairs ? repairs->count() : 0;
+  return {{"count", count}, {"first", count > 0 ? repairs->first() : std::string()}};
+}
+
 void printJson(const std::string& verb, const nlohmann::ordered_json& fields) {
   nlohmann::ordered_json json{{"schema", "loden/" + verb + "/1"}};
   json.update(fields);
@@ -63,12 +75,14 @@ std::string withThousands(uint64_t number) {
 }
 
 std::string formatted(const char* format, ...) {
-  char buffer[1024];
-  va_list arguments;
+  va_list arguments, again;
   va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_copy(again, arguments);
+  std::string text(static_cast<size_t>(std::max(0, std::vsnprintf(nullptr, 0, format, arguments))), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
   va_end(arguments);
-  return buffer;
+  return text;
 }
 
 nlohmann::ordered_json issueJson(const Issue& issue) {

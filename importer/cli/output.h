@@ -13,11 +13,16 @@
 
 namespace loden::importer {
 
+class RepairLog;
+
 // "file: place: what; remedy" on stderr; returns the exit code that goes with it.
 int fail(const Issue& issue);
 int failUsage(const std::string& text);
 // A note on stderr, unless quiet.
 void note(const GlobalOptions& globals, const std::string& text);
+// A note of what --fix-nonfinite repaired, if anything; null: the option was not given.
+void noteRepairs(const GlobalOptions& globals, const RepairLog* repairs);
+nlohmann::ordered_json repairsJson(const RepairLog* repairs);
 
 // JSON on stdout with "schema": "loden/<verb>/1" in front.
 void printJson(const std::string& verb, const nlohmann::ordered_json& fields);

@@ -1,9 +1,17 @@
 // loden study NAME --json F
+#include <algorithm>
+
 #include "importer/cli/output.h"
+#include "importer/cli/sibling_program.h"
 #include "importer/study/study.h"
+#include "material/issues.h"
 
 namespace loden::importer {
 namespace {
+
+// Needs OpenGL, which nothing here may link: a program of its own, beside this one.
+constexpr const char* kTimeError = "time-error";
+constexpr const char* kTimeErrorProgram = "bench_time_error";
 
 class StudyCommand : public Command {
  public:
@@ -13,11 +21,12 @@ class StudyCommand : public Command {
   void declare(Options& options) override {
     std::vector<std::string> names;
     std::string list;
-    for (const Study& study : studies()) {
-      names.emplace_back(study.name);
-      list += "  " + std::string(study.name) + std::string(24 - std::min<size_t>(23, study.name.size()), ' ') +
-              std::string(study.summary) + "\n";
-    }
+    const auto add = [&](std::string_view name, std::string_view summary) {
+      names.emplace_back(name);
+      list += "  " + std::string(name) + std::string(24 - std::min<size_t>(23, name.size()), ' ') + std::string(summary) + "\n";
+    };
+    for (const Study& study : studies()) add(study.name, study.summary);
+    add(kTimeError, "run time against error, beside what engines draw now (runs bench_time_error)");
     options.choice("name", study_, names, "Which study", true);
     options.texts("--tile", tiles_, "Tiles; default: button, isba, pulli, sponge");
     options.integer("--size", study_options_.size, "Reference texels per side", 4, 1024);
@@ -33,6 +42,7 @@ class StudyCommand : public Command {
     if (!tiles_.empty()) study_options_.tiles = tiles_;
     study_options_.threads = globals.threads;
     study_options_.quiet = globals.quiet;
+    if (study_ == kTimeError) return runTimeError(globals);
     const Study& study = *findStudy(study_);
     const auto rows = study.run(study_options_);
     if (!rows) return fail(rows.issue());
@@ -46,6 +56,22 @@ class StudyCommand : public Command {
   }
 
  private:
+  int runTimeError(const GlobalOptions& globals) const {
+    const auto program = siblingProgram(kTimeErrorProgram);
+    if (program.empty()) {
+      failUsage(std::string(kTimeErrorProgram) + " is not beside loden; build that target, or ./loden.sh build, and run loden from there");
+      return kExitUnsupported;
+    }
+    std::vector<std::string> arguments{"--size", std::to_string(study_options_.size), "--bakes", study_options_.bakes.string(),
+                                       "--threads", std::to_string(globals.threads), "--format", globals.json ? "json" : "text"};
+    for (const std::string& tile : study_options_.tiles) arguments.insert(arguments.end(), {"--tile", tile});
+    if (!json_.empty()) arguments.insert(arguments.end(), {"--json", json_.string()});
+    if (!csv_.empty()) arguments.insert(arguments.end(), {"--csv", csv_.string()});
+    if (globals.quiet) arguments.push_back("-q");
+    becomeProgram(program, arguments);
+    return fail({issue_id::kCannotOpen, Severity::kError, program.string(), "cannot be run"});
+  }
+
   std::string study_;
   std::vector<std::string> tiles_;
   std::filesystem::path json_, csv_;

@@ -82,6 +82,7 @@ class TraceCommand : public Command {
       if (!environment) return fail(environment.issue());
       trace_.environment = std::move(*environment);
     }
+    if (const Status status = checkPictureName(output_); !status) return fail(status.issue());
     const auto size = parseExtent("--size", size_);
     if (!size) return fail(size.issue());
     if (!camera_.empty()) {

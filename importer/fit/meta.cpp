@@ -94,7 +94,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
     meta["trade"].push_back({{"y_components", p.plan.y_components}, {"phis", p.plan.phis}, {"flat_scale", p.plan.flat_scale},
                              {"geometry_side", p.plan.geometry_side}, {"bytes", p.bytes}, {"rmse_y", p.rmse_y}, {"pareto", pareto}});
   }
-  return meta.dump();
+  return meta.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // paths need not be UTF-8
 }
 
 }  // namespace loden::importer

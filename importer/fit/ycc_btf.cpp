@@ -77,7 +77,7 @@ Issue nonFiniteIssue(const BtfSource& source, const YccBtf& btf, int view, const
   return {issue_id::kNonFinite, Severity::kError, source.name(),
           std::to_string(bad.count) + " values are not finite, or above " + largest + ", in view " + std::to_string(view) + ", the first at light " +
               std::to_string(bad.first / texels) + ", texel (" + std::to_string(texel % side) + ", " +
-              std::to_string(texel / side) + "); repair the input and cook again"};
+              std::to_string(texel / side) + "); repair the input, or let --fix-nonfinite do it"};
 }
 
 }  // namespace

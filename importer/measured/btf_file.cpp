@@ -30,14 +30,6 @@ class BtfFile : public MeasuredSource {
   size_t flipped(size_t file_texel) const {
     return (header_.height - 1 - file_texel / header_.width) * header_.width + file_texel % header_.width;
   }
-  Result<std::vector<glm::vec3>> finite(std::vector<glm::vec3> values, int view) const {
-    for (size_t i = 0; i < values.size(); ++i)
-      for (int c = 0; c < 3; ++c)
-        if (!std::isfinite(values[i][c]))
-          return brokenFile(name_, "view " + std::to_string(view) + ", light " + std::to_string(i / header_.texels()) + ", texel " +
-                                       std::to_string(i % header_.texels()) + " is not finite");
-    return values;
-  }
   // Channel c of a file with fewer or more than three.
   uint32_t rgbChannel(int c) const { return header_.channels >= 3 ? static_cast<uint32_t>(c) : 0; }
 
@@ -129,7 +121,7 @@ class DfmfFile : public BtfFile {
         values[light * header_.texels() + flipped(t)][c] = value;
       });
     for (glm::vec3& value : values) value = color_.rgb(value);
-    return finite(std::move(values), view);
+    return values;
   }
 
  private:
@@ -167,7 +159,7 @@ class FmfFile : public BtfFile {
         values[light * header_.texels() + flipped(t)][c] = exponential_ ? std::exp(value) - kEpsilon : value;
       });
     }
-    return finite(std::move(values), view);
+    return values;
   }
 
  private:
@@ -215,7 +207,7 @@ class PvfFile : public BtfFile {
             value += view.basis[row * view.components + k] * view.weights[t * view.components + k];
           values[light * header_.texels() + flipped(t)][c] = static_cast<float>(value);
         }
-    return finite(std::move(values), index);
+    return values;
   }
 
  private:
@@ -260,7 +252,7 @@ class BdiFile : public BtfFile {
           values[light * header_.texels() + flipped(t)][c] = static_cast<float>(chunk[at]);
         }
     }
-    return finite(std::move(values), view);
+    return values;
   }
 
  private:

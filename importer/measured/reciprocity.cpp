@@ -86,10 +86,9 @@ Result<Reciprocity> checkReciprocity(const BtfSource& source, int threads) {
   return result;
 }
 
-Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<MeasuredSource> source, int threads, std::string& note) {
+Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<BtfSource> source, CosineFlag flag, int threads, std::string& note) {
   const auto check = checkReciprocity(*source, threads);
   if (!check) return check.issue();
-  const CosineFlag flag = source->cosineFlag();
   const bool flag_says = flag != CosineFlag::kNotIncluded;
   const bool included = check->decisive() ? check->cosineIncluded() : flag_says;
   char text[300];
@@ -98,7 +97,7 @@ Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<MeasuredSource> so
   note = text;
   if (check->decisive() && flag != CosineFlag::kUnknown && flag_says != included) note += "; the header's flag says otherwise";
   if (!check->decisive()) note += flag == CosineFlag::kUnknown ? "; taken as contained" : "; the header's flag is taken";
-  if (included) return std::unique_ptr<BtfSource>(std::move(source));
+  if (included) return source;
   return std::unique_ptr<BtfSource>(std::make_unique<CosineApplied>(std::move(source)));
 }
 

@@ -101,7 +101,7 @@ std::string studyJson(const Study& study, const std::string& command, const Stud
       std::visit([&, &name = key](const auto& v) { object[name] = v; }, value);
     json["rows"].push_back(std::move(object));
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
 }
 
 std::string studyCsv(const StudyRows& rows) {

@@ -2,13 +2,18 @@
 // A plane fills the picture, one light; near (63 pixels a tile) and far (a pixel covers 4 texels a side). Peers that need a
 // height field are drawn on tiles that are one. They have no cast shadows, as such shaders usually have not.
 //
-//   bench_time_error [--tile NAME]... [--json FILE]     tiles: button, pulli by default; bakes are kept in out/studies/bakes
+// `loden study time-error` runs it with the options of a study.
+//
+// fetches_per_pixel counts texture instructions; bytes_per_pixel the bytes of the texels that their filters read: 1 texel
+// for a fetch, 4 for a gather or a bilinear filter, 8 with mip levels or in a volume. No cache is assumed: a texel that
+// neighbouring pixels share counts for each of them.
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
+#include <cstdlib>
+#include <optional>
 
 #include "importer/cook.h"
 #include "importer/flip.h"
@@ -19,9 +24,11 @@
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
 #include "material/asset.h"
+#include "material/atomic_file.h"
 #include "runtime/shader_variants.h"
 #include "shaders/loden_shared.h"
 #include "tests/bench/bench_support.h"
+#include "tests/bench/btf_table.h"
 
 namespace {
 
@@ -41,11 +48,23 @@ constexpr View kViews[] = {{"near", 3}, {"far", 190.0 * 4 / 64}};
 
 glm::dvec3 towardsEye(glm::dvec2 uv) { return glm::normalize(glm::dvec3(uv - 0.5, 0.4)); }
 
+constexpr int kUnits = LODEN_UNIT_FIRST_FREE + BtfTable::kTextures;
+
+// SHOW(rgb) ends every main. In counting variants alpha is the number of texture instructions, or of the bytes they read.
 const char kCommon[] = R"(
-#include "loden_material.glsl"
 layout(location = 0) in vec2 uv;
 layout(location = 0) out vec4 color;
 uniform float periods;
+#ifdef LODEN_COUNT_FETCHES
+uniform float fetch_bytes[UNITS];  // that one instruction on the unit reads
+uniform bool count_bytes;
+float counted = 0.0;
+#define LODEN_COUNT(unit, n) (counted += float(n) * (count_bytes ? fetch_bytes[unit] : 1.0))
+#define SHOW(rgb) color = vec4(rgb, counted)
+#else
+#define SHOW(rgb) color = vec4(rgb, 0.0)
+#endif
+#include "loden_material.glsl"
 )";
 
 const char kLodenMain[] = R"(
@@ -54,10 +73,7 @@ void main() {
   LodenMaterial m = loden_material_default();
   vec2 x = uv * periods;
   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
-#ifdef LODEN_COUNT_FETCHES
-  color.w = float(loden_fetches);
-#endif
+  SHOW(loden_evaluate(m, h, wi, wo));
 })";
 
 // Linear steps down the view ray until it is below the height map, then bisections between the last two.
@@ -73,11 +89,13 @@ void main() {
   int taken = 0;
   do {
     below = float(taken + 1) / float(STEPS);
+    LODEN_COUNT(LODEN_UNIT_FIRST_FREE, 1);
     if (textureLod(height_map, x + shift * below, lambda).r <= below) break;
     above = below;
   } while (++taken < STEPS);
   for (int i = 0; i < BISECTIONS; ++i) {
     float middle = 0.5 * (above + below);
+    LODEN_COUNT(LODEN_UNIT_FIRST_FREE, 1);
     if (textureLod(height_map, x + shift * middle, lambda).r <= middle) below = middle; else above = middle;
   }
   LodenHit hit;
@@ -85,20 +103,63 @@ void main() {
   hit.p = x + shift * below;
   hit.lambda = lambda;
   hit.depth = 0.0;
-  color = vec4(loden_evaluate(m, hit, wi, wo), float(min(taken + 1, STEPS) + BISECTIONS + 3));
+  SHOW(loden_evaluate(m, hit, wi, wo));
+})";
+
+const char kTableMain[] = R"(
+void main() {
+  vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
+  vec2 x = uv * periods;
+  SHOW(btf_table_value(x, max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0), wi, wo));
 })";
 
 const char kConstantMain[] = R"(
 uniform vec3 constant_color;
-void main() { color = vec4(constant_color, 0.0); })";
+void main() { SHOW(constant_color); })";
+
+// By unit: bytes of the texels that one texture instruction reads there.
+class FetchBytes {
+ public:
+  explicit FetchBytes(const Material& m) {
+    for (size_t b = 0; b < m.bands.size(); ++b) {
+      const bool nearest = m.bands[b].layout == TableLayout::kNearest;
+      set(LODEN_UNIT_WEIGHTS + int(b), m.bands[b].weights, m.bands[b].filter == WeightFilter::kNearest ? 1 : 8);
+      set(LODEN_UNIT_TABLE + int(b), m.bands[b].table, nearest ? 1 : 8);
+      if (nearest) bytes_[LODEN_UNIT_NEAREST_LIGHT] = bytes_[LODEN_UNIT_NEAREST_VIEW] = 1;  // R8
+    }
+    if (m.surface) {
+      set(LODEN_UNIT_NORMAL, m.surface->normal, 8);
+      set(LODEN_UNIT_DIFFUSE, m.surface->diffuse, 8);
+      set(LODEN_UNIT_SPECULAR, m.surface->specular, 8);
+    }
+    if (m.stored_vdim) {
+      set(LODEN_UNIT_PAPER_REFERENCE, m.stored_vdim->reference, 1);
+      set(LODEN_UNIT_PAPER_PACKED, m.stored_vdim->packed, 4);
+    }
+    bytes_[LODEN_UNIT_GEOMETRY] = 4 * 4;  // R32
+    bytes_[LODEN_UNIT_VDIM_DEPTH] = 4 * 1;  // R8
+    bytes_[LODEN_UNIT_VDIM_VOLUME] = 4;   // RG16
+  }
+  // Of textures outside the material.
+  void setFree(int texel_bytes, int texels) {
+    std::fill(bytes_ + LODEN_UNIT_FIRST_FREE, bytes_ + kUnits, float(texel_bytes * texels));
+  }
+  const float* data() const { return bytes_; }
+
+ private:
+  void set(int unit, const Texture& texture, int texels) { bytes_[unit] = float(texelBytes(texture.format) * texels); }
+  float bytes_[kUnits] = {};
+};
 
 // One way to draw, with a material system of its own so that its bytes can be read off.
 struct Subject {
   std::string renderer, setting;
   std::unique_ptr<MaterialSystem> materials;
   MaterialId id;
+  FetchBytes fetch_bytes;
   GlProgram program, counting;
-  uint64_t extra_bytes = 0;  // of textures outside the system
+  bool uses_material = true;  // its bytes count
+  uint64_t extra_bytes = 0;   // of textures outside the system
 };
 
 class Scene {
@@ -107,29 +168,31 @@ class Scene {
 
   void add(const std::string& renderer, const std::string& setting, const Material& material, Lookup lookup) {
     Subject subject = load(renderer, setting, material, lookup);
-    const std::string text = std::string(kCommon) + kLodenMain;
-    MaterialVariant variant = subject.materials->variant(subject.id);
-    subject.program = screen_.program(text, variantDefines(variant));
-    variant.count_fetches = true;
-    subject.counting = screen_.program(text, variantDefines(variant));
+    compile(subject, kLodenMain);
     subjects_.push_back(std::move(subject));
   }
   // The surface maps of `material`, read where a march over its heights ends.
   void addMarch(const std::string& renderer, int steps, int bisections, const Material& material) {
     Subject subject = load(renderer, std::to_string(steps) + " + " + std::to_string(bisections) + " steps", material, Lookup::kNone);
     makeHeights(material.geometry);
-    std::vector<std::string> defines = variantDefines(subject.materials->variant(subject.id));
-    defines.push_back("STEPS " + std::to_string(steps));
-    defines.push_back("BISECTIONS " + std::to_string(bisections));
-    subject.program = screen_.program(std::string(kCommon) + kMarchMain, defines);
-    subject.counting = screen_.program(std::string(kCommon) + kMarchMain, defines);
+    compile(subject, kMarchMain, {"STEPS " + std::to_string(steps), "BISECTIONS " + std::to_string(bisections)});
+    subject.fetch_bytes.setFree(2, 8);  // R16, trilinear
     subject.extra_bytes = height_bytes_;
     subjects_.push_back(std::move(subject));
   }
   void addConstant(const Material& material) {
     Subject subject = load("constant colour", "mean of the truth", material, Lookup::kNone);
-    subject.program = screen_.program(std::string(kCommon) + kConstantMain, variantDefines(subject.materials->variant(subject.id)));
-    subject.counting = screen_.program(std::string(kCommon) + kConstantMain, variantDefines(subject.materials->variant(subject.id)));
+    compile(subject, kConstantMain);
+    subject.uses_material = false;
+    subjects_.push_back(std::move(subject));
+  }
+  void addTable(const Material& material) {
+    Subject subject = load("full BTF table", "81 x 81 images, 4-D interpolated", material, Lookup::kNone);
+    table_.emplace(baked_);
+    compile(subject, std::string(kBtfTableLibrary) + kTableMain);
+    subject.uses_material = false;
+    subject.fetch_bytes.setFree(4, 8);  // RGB9E5, trilinear
+    subject.extra_bytes = table_->bytes();
     subjects_.push_back(std::move(subject));
   }
 
@@ -138,7 +201,7 @@ class Scene {
 
  private:
   Subject load(const std::string& renderer, const std::string& setting, const Material& material, Lookup lookup) {
-    Subject subject{renderer, setting, nullptr, {}, {}, {}, 0};
+    Subject subject{renderer, setting, nullptr, {}, FetchBytes(material), {}, {}, true, 0};
     MaterialSystemOptions options;
     options.lookup = lookup;
     subject.materials = require(MaterialSystem::create(device_, options));
@@ -146,6 +209,16 @@ class Scene {
     subject.materials->demand(subject.id, 0);
     subject.materials->finishLoading();
     return subject;
+  }
+  void compile(Subject& subject, const std::string& main, const std::vector<std::string>& more = {}) {
+    MaterialVariant variant = subject.materials->variant(subject.id);
+    for (GlProgram* program : {&subject.program, &subject.counting}) {
+      variant.count_fetches = program == &subject.counting;
+      std::vector<std::string> defines = variantDefines(variant);
+      defines.insert(defines.end(), more.begin(), more.end());
+      defines.push_back("UNITS " + std::to_string(kUnits));
+      *program = screen_.program(kCommon + main, defines);
+    }
   }
   void makeHeights(const GeometryImage& geometry) {
     if (heights_.name()) return;
@@ -159,14 +232,17 @@ class Scene {
     range_ = geometry.range.z;
     height_bytes_ = textureBytes(TexelFormat::kRG8Unorm, uint64_t(side), uint64_t(side), 1, mips);  // as many bytes as R16
   }
-  void draw(const Subject& subject, const GlProgram& program, const View& view, const glm::vec3& mean) const {
+  void draw(const Subject& subject, const GlProgram& program, const View& view, const glm::vec3& mean, bool count_bytes = false) const {
     subject.materials->bind(subject.id);
-    if (heights_.name()) glBindTextureUnit(LODEN_UNIT_FIRST_FREE, heights_.name());
+    if (subject.renderer == "full BTF table") table_->bind();
+    else if (heights_.name()) glBindTextureUnit(LODEN_UNIT_FIRST_FREE, heights_.name());
     // Location -1 of a uniform that the program does not have is ignored.
     const auto location = [&](const char* name) { return glGetUniformLocation(program.name(), name); };
     glProgramUniform1f(program.name(), location("periods"), float(view.periods));
     glProgramUniform1f(program.name(), location("depth_range"), range_);
     glProgramUniform3fv(program.name(), location("constant_color"), 1, &mean.x);
+    glProgramUniform1fv(program.name(), location("fetch_bytes"), kUnits, subject.fetch_bytes.data());
+    glProgramUniform1i(program.name(), location("count_bytes"), count_bytes);
     screen_.draw(program);
   }
   std::vector<glm::vec3> truth(const std::string& tile, const View& view) const;
@@ -175,6 +251,7 @@ class Scene {
   const FullScreen& screen_;
   const BakedOutput& baked_;
   std::vector<Subject> subjects_;
+  std::optional<BtfTable> table_;
   GlTexture heights_;
   float range_ = 0;
   uint64_t height_bytes_ = 0;
@@ -213,16 +290,19 @@ void Scene::measure(const std::string& tile, const View& view, const std::string
     if (subjects_[i].renderer == base) base_ms = ms[i];
   for (size_t i = 0; i < subjects_.size(); ++i) {
     const Subject& subject = subjects_[i];
-    draw(subject, subject.counting, view, glm::vec3(mean));
     std::vector<glm::vec3> got;
-    double fetches = 0;
-    for (const glm::vec4& pixel : screen_.read()) got.emplace_back(pixel), fetches += double(pixel.w) / double(expected.size());
+    double fetches = 0, bytes = 0;
+    draw(subject, subject.counting, view, glm::vec3(mean), true);
+    for (const glm::vec4& pixel : screen_.read()) bytes += double(pixel.w);
+    draw(subject, subject.counting, view, glm::vec3(mean));
+    for (const glm::vec4& pixel : screen_.read()) got.emplace_back(pixel), fetches += double(pixel.w);
     importer::ErrorSums error;
     error.add(expected, got);
     importer::StudyRow row;
     row.set("scene", tile + " " + view.name).set("renderer", subject.renderer).set("setting", subject.setting);
-    row.set("ms_median", ms[i]).set("ratio_to_normal_map", ms[i] / base_ms).set("fetches_per_pixel", fetches);
-    row.set("gpu_bytes", subject.renderer == "constant colour" ? uint64_t{0} : subject.materials->stats().resident_bytes + subject.extra_bytes);
+    row.set("ms_median", ms[i]).set("ratio_to_normal_map", ms[i] / base_ms).set("fetches_per_pixel", fetches / double(expected.size()));
+    row.set("bytes_per_pixel", bytes / double(expected.size()));
+    row.set("gpu_bytes", (subject.uses_material ? subject.materials->stats().resident_bytes : uint64_t{0}) + subject.extra_bytes);
     row.set("flip", importer::flip(expected, got, kPixels, kPixels).mean).set("rmse", error.y().rmse).set("psnr_db", error.psnr());
     rows.push_back(std::move(row));
   }
@@ -243,9 +323,7 @@ Material smallestFused(const BakedOutput& baked) {
   return importer::fitFused(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0).material;
 }
 
-void measureTile(const Device& device, const FullScreen& screen, const std::string& tile, importer::StudyRows& rows) {
-  importer::StudyOptions options;
-  options.bakes = "out/studies/bakes";
+void measureTile(const Device& device, const FullScreen& screen, const importer::StudyOptions& options, const std::string& tile, importer::StudyRows& rows) {
   const BakedOutput baked = require(importer::studyBake(options, tile));
   using importer::Preset;
   const Material surface = cooked(baked, Mode::kSurface, Preset::kGame);
@@ -261,6 +339,7 @@ void measureTile(const Device& device, const FullScreen& screen, const std::stri
     scene.addMarch("relief mapping", 32, 6, surface);
   }
   scene.add("Flat-BTF, as published", "latlong 16x16, blended", paper, Lookup::kPaper);
+  if (const int size = baked.manifest().size; (size & (size - 1)) == 0) scene.addTable(without_geometry);  // its mips are 2 x 2 means
   scene.add("LOD-BTF, as published", "8,2,2 components, 32 bit", cooked(baked, Mode::kLod, Preset::kSeed), Lookup::kNone);
   scene.add("Loden, lod", "16 components, 8 bit", cooked(baked, Mode::kLod, Preset::kGame), Lookup::kNone);
   scene.add("Loden, surface", "fast lookup", surface, Lookup::kFast);
@@ -272,23 +351,76 @@ void measureTile(const Device& device, const FullScreen& screen, const std::stri
   for (const View& view : kViews) scene.measure(tile, view, "normal map", rows);
 }
 
+struct Arguments {
+  importer::StudyOptions study;
+  std::string json, csv, command = "bench_time_error";
+  bool print_json = false;
+};
+
+[[noreturn]] void usage(const std::string& wrong) {
+  std::fprintf(stderr, "bench_time_error: %s\n"
+               "usage: bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv FILE] [--format text|json] [--threads N] [-q]\n",
+               wrong.c_str());
+  std::exit(1);
+}
+
+// A whole number in [least, most].
+int wholeNumber(const std::string& option, const std::string& text, int least, int most) {
+  char* end = nullptr;
+  const long value = std::strtol(text.c_str(), &end, 10);
+  if (text.empty() || *end != '\0' || value < least || value > most) usage(option + ": '" + text + "' is not " + std::to_string(least) + " to " + std::to_string(most));
+  return static_cast<int>(value);
+}
+
+Arguments parseArguments(int argc, char** argv) {
+  Arguments all;
+  all.study.bakes = "out/studies/bakes";
+  all.study.tiles.clear();
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    all.command += " " + option;
+    if (option == "-q") { all.study.quiet = true; continue; }
+    if (++i == argc) usage(option + " is unknown, or needs a value");
+    const std::string value = argv[i];
+    all.command += " " + value;
+    if (option == "--tile") {
+      for (size_t at = 0; at <= value.size(); at = value.find(',', at) == std::string::npos ? value.size() + 1 : value.find(',', at) + 1)
+        all.study.tiles.push_back(value.substr(at, value.find(',', at) - at));
+    } else if (option == "--size") all.study.size = wholeNumber(option, value, 4, 256);
+    else if (option == "--threads") all.study.threads = wholeNumber(option, value, 0, 1024);
+    else if (option == "--bakes") all.study.bakes = value;
+    else if (option == "--json") all.json = value;
+    else if (option == "--csv") all.csv = value;
+    else if (option == "--format" && (value == "text" || value == "json")) all.print_json = value == "json";
+    else usage(option + " " + value + " is unknown");
+  }
+  if (all.study.tiles.empty()) all.study.tiles = {"button", "pulli"};
+  return all;
+}
+
+void write(const std::string& path, const std::string& text) {
+  if (path.empty()) return;
+  if (const Status status = writeFileAtomically(path, std::as_bytes(std::span(text))); !status) {
+    std::fprintf(stderr, "%s: %s\n", status.issue().where.c_str(), status.issue().text.c_str());
+    std::exit(2);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<std::string> tiles;
-  std::string json;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    if (!std::strcmp(argv[i], "--tile")) tiles.emplace_back(argv[i + 1]);
-    if (!std::strcmp(argv[i], "--json")) json = argv[i + 1];
-  }
-  if (tiles.empty()) tiles = {"button", "pulli"};
+  const Arguments arguments = parseArguments(argc, argv);
   const std::unique_ptr<Device> device = makeDevice();
   const FullScreen screen({kPixels, kPixels});
   importer::StudyRows rows;
-  for (const std::string& tile : tiles) measureTile(*device, screen, tile, rows);
-  std::printf("# bench_time_error: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n%s", kPixels, kPixels, kRounds,
-              device->capabilities().renderer.c_str(), importer::studyTable(rows).c_str());
-  if (!json.empty())
-    std::ofstream(json) << importer::studyJson({"time-error", "run time against error", nullptr}, "bench_time_error", rows);
-  return 0;
+  for (const std::string& tile : arguments.study.tiles) measureTile(*device, screen, arguments.study, tile, rows);
+  const std::string json = importer::studyJson({"time-error", "run time against error", nullptr}, arguments.command, rows);
+  write(arguments.json, json);
+  write(arguments.csv, importer::studyCsv(rows));
+  if (arguments.print_json)
+    std::printf("%s", json.c_str());
+  else
+    std::printf("# bench_time_error: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n%s", kPixels, kPixels, kRounds,
+                device->capabilities().renderer.c_str(), importer::studyTable(rows).c_str());
+  return std::fflush(stdout) == 0 ? 0 : 2;
 }

@@ -39,6 +39,62 @@ TEST(Bake, NonFiniteVertices_AreInvalidInput) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
 }
 
+TEST(Bake, FixNonfinite_RepairsAndReports) {
+  const ScratchFolder scratch;
+  constexpr int kSide = 8;
+  std::string text;
+  for (int t = 0; t <= (kSide + 1) * (kSide + 1) - 1; ++t) {
+    const std::string x = std::to_string(t % (kSide + 1) / double(kSide)), y = std::to_string(t / (kSide + 1) / double(kSide));
+    text += "v " + x + " " + (t == 40 ? std::string("nan") : y) + " 0\nvt " + x + " " + y + "\n";
+  }
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      text += "f";
+      for (const int corner : {0, 1, kSide + 2, kSide + 1}) {
+        const std::string v = std::to_string(j * (kSide + 1) + i + corner + 1);
+        text += " " + v + "/" + v;
+      }
+      text += "\n";
+    }
+  writeText(scratch / "tile.obj", text);
+  const std::vector<std::string> bake{"bake", scratch / "tile.obj", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--supersample", "1"};
+  const ToolRun refused = loden(bake);
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("vertex 40: 1 of 81"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("--fix-nonfinite"), std::string::npos) << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+  auto fix = bake;
+  fix.insert(fix.end(), {"--fix-nonfinite", "--format", "json"});
+  const ToolRun repaired = loden(fix);
+  ASSERT_EQ(repaired.exit_code, 0) << repaired.err;
+  EXPECT_NE(repaired.err.find("repaired 1 "), std::string::npos) << repaired.err;
+  EXPECT_EQ(Json::parse(repaired.out)["repaired"]["count"], 1);
+  fix.back() = "text", fix.push_back("-q");
+  EXPECT_EQ(loden(fix).err, "");
+}
+
+TEST(Bake, ConcentricVdim_IsStoredAndExtracted) {
+  const ScratchFolder scratch;
+  const std::vector<std::string> bake{"bake", "builtin:pulli", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--supersample", "1", "-q"};
+  auto with = bake;
+  with.insert(with.end(), {"--vdim", "concentric:3,latlong:4x5"});
+  ASSERT_EQ(loden(with).exit_code, 0);
+  const ToolRun depths = loden({"extract", scratch / "out", "--map", "vdim.concentric:3", "-o", scratch / "depths.exr", "--format", "json"});
+  ASSERT_EQ(depths.exit_code, 0) << depths.err;
+  EXPECT_EQ(Json::parse(depths.out)["width"], 12);
+  EXPECT_EQ(Json::parse(depths.out)["height"], 12);
+  EXPECT_EQ(loden({"extract", scratch / "out", "--map", "vdim.latlong:4x5", "-o", scratch / "latlong.exr"}).exit_code, 0);
+  EXPECT_EQ(loden({"extract", scratch / "out", "--map", "geometry", "-o", scratch / "geometry.exr"}).exit_code, 0);
+  const ToolRun wrong = loden({"extract", scratch / "out", "--map", "vdim.concentric:4", "-o", scratch / "wrong.exr"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(wrong.err.find("vdim.concentric:3"), std::string::npos) << wrong.err;
+  for (const char* bad : {"concentric:0", "concentric:257", "concentric:3x3", "latlong:1x4", "latlong:4x999", "cube:4"}) {
+    auto refused = bake;
+    refused.insert(refused.end(), {"--vdim", bad});
+    EXPECT_EQ(loden(refused).exit_code, 1) << bad;
+  }
+}
+
 TEST(Bake, MalformedNumber_IsInvalidInputWithItsLine) {
   const ScratchFolder scratch;
   const std::vector<std::pair<std::string, std::string>> cases{

@@ -41,6 +41,42 @@ TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
   }
 }
 
+TEST(Study, TimeError_HasItsKeysInEveryRow) {
+  const ScratchFolder scratch;
+  const ToolRun run = loden({"study", "time-error", "--size", "16", "--tile", "pulli", "--bakes", scratch / "bakes", "--json", scratch / "rows.json",
+                             "--csv", scratch / "rows.csv", "--format", "json", "-q"});
+  if (run.exit_code == 5) GTEST_SKIP() << run.err;  // built without the runtime
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << run.out;
+  EXPECT_EQ(json["schema"], "loden/study/1");
+  EXPECT_EQ(json["study"], "time-error");
+  EXPECT_EQ(run.out, fileText(scratch / "rows.json"));
+  EXPECT_NE(fileText(scratch / "rows.csv").find("bytes_per_pixel"), std::string::npos);
+  int tables = 0;
+  for (const auto& row : json["rows"]) {
+    for (const char* key : {"scene", "renderer", "setting", "ms_median", "ratio_to_normal_map", "fetches_per_pixel", "bytes_per_pixel", "gpu_bytes", "flip", "rmse", "psnr_db"})
+      EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
+    EXPECT_GE(row["bytes_per_pixel"], row["fetches_per_pixel"]);
+    if (row["renderer"] != "full BTF table") continue;
+    ++tables;
+    EXPECT_EQ(row["fetches_per_pixel"], 16);
+    // Far away the texels' averages are what is seen: only the directions between the samples are left as an error.
+    if (row["scene"] == "pulli far") {
+      EXPECT_GT(row["psnr_db"], 30);
+    }
+  }
+  EXPECT_EQ(tables, 2);
+}
+
+TEST(Study, TimeErrorWithoutItsProgram_IsUnsupportedWithARemedy) {
+  const ScratchFolder scratch;
+  std::filesystem::copy_file(LODEN_TOOL, scratch / "loden");
+  const ToolRun run = runTool(scratch / "loden", {"study", "time-error"});
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_NE(run.err.find("bench_time_error"), std::string::npos) << run.err;
+}
+
 TEST(Study, BakeOfAnotherSize_IsNotTaken) {
   const ScratchFolder scratch;
   ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", scratch / "pulli-8", "--size", "4", "--supersample", "1", "-q"}).exit_code, 0);

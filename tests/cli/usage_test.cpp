@@ -1,6 +1,7 @@
 // What every verb promises: exit codes, streams, JSON, and no half-written output.
 #include <gtest/gtest.h>
 
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/loden_fixture.h"
@@ -67,6 +68,7 @@ TEST(Cli, BadValues_AreUsage) {
       {"extract", sharedAsset(), "-o", out + ".exr", "--map", "nothing"},
       {"extract", sharedAsset(), "-o", out + ".xyz"},
       {"trace", "builtin:pulli", "-o", out + ".exr", "--size", "800"},
+      {"trace", "builtin:pulli", "-o", out + ".xyz", "--spp", "65536"},  // refused before an hour of work
       {"study", "no-such-study"},
       {"study"},
       {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--shard", "0/2"},
@@ -96,12 +98,68 @@ TEST(Cli, UnwritableOutput_IsIoError) {
   EXPECT_EQ(loden({"cook", sharedBake(), "-o", scratch / "no/such/folder/out.loden", "--mode", "lod", "-q"}).exit_code, 2);
 }
 
+TEST(Cli, MaterialAgainstPicture_IsUsage) {
+  const ScratchFolder scratch;
+  const std::string picture = scratch / "slice.png";
+  ASSERT_EQ(loden({"extract", sharedAsset(), "-o", picture}).exit_code, 0);
+  EXPECT_EQ(loden({"compare", sharedAsset(), picture}).exit_code, 1);
+  EXPECT_EQ(loden({"compare", picture, sharedBake()}).exit_code, 1);
+}
+
+TEST(Cli, StdoutThatIsFull_IsIoError) {
+  const std::string command = std::string(LODEN_TOOL) + " info " + sharedAsset() + " > /dev/full";
+  const ToolRun run = runTool("/bin/sh", {"-c", command});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("standard output"), std::string::npos) << run.err;
+}
+
+TEST(Cli, OutOfMemory_IsRuntimeErrorWithARemedy) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers reserve more address space than the limit";
+#endif
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out.exr";
+  // The picture alone takes 4 GiB.
+  const std::string command = "ulimit -v 2000000; exec " + std::string(LODEN_TOOL) + " trace builtin:pulli --size 16384x16384 --spp 1 -q -o " + out;
+  const ToolRun run = runTool("/bin/sh", {"-c", command});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  EXPECT_NE(run.err.find("memory"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Cli, NewerFormat_IsUnsupported) {
+  const ScratchFolder scratch;
+  std::string bytes = fileText(sharedAsset());
+  bytes[12] = 9;  // major version, behind the magic
+  writeText(scratch / "new.loden", bytes);
+  EXPECT_EQ(loden({"extract", scratch / "new.loden", "-o", scratch / "o.exr"}).exit_code, 5);
+  EXPECT_EQ(loden({"compare", scratch / "new.loden", sharedAsset()}).exit_code, 5);
+  EXPECT_EQ(loden({"validate", scratch / "new.loden"}).exit_code, 3);
+}
+
+TEST(Cli, NamesThatAreNoUtf8_GoThroughEveryVerb) {
+  const ScratchFolder scratch;
+  const std::string bake = scratch / "bake\xff", asset = scratch / "m\xff.loden";
+  std::filesystem::copy(sharedBake(), bake, std::filesystem::copy_options::recursive);
+  EXPECT_EQ(loden({"cook", bake, "-o", asset, "--mode", "lod", "-q"}).exit_code, 0);
+  const ToolRun info = loden({"info", asset, "--format", "json"});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_EQ(nlohmann::json::parse(info.out)["name"], "pulli");
+  EXPECT_EQ(loden({"validate", asset}).exit_code, 0);
+  EXPECT_EQ(loden({"compare", bake, asset, "--every", "9", "-q"}).exit_code, 0);
+}
+
 TEST(Cli, Json_IsCleanAndNamesItsSchema) {
   const ScratchFolder scratch;
+  writeScene(scratch.path());
   const std::string asset = sharedAsset(), bake = sharedBake();
   const std::vector<std::vector<std::string>> runs{
+      {"bake", "builtin:pulli", "-o", scratch / "bake", "--size", "4", "--directions", "2x2", "--supersample", "1"},
+      {"cook", bake, "-o", scratch / "cooked.loden", "--mode", "lod"},
+      {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", asset, "-o", scratch / "packed.gltf"},
       {"info", asset},
       {"validate", asset},
+      {"validate", scratch / "packed.gltf"},
       {"compare", bake, asset, "--every", "9"},
       {"extract", asset, "-o", scratch / "slice.exr"},
       {"trace", "builtin:pulli", "-o", scratch / "truth.png", "--size", "16x12", "--spp", "1"},
@@ -125,6 +183,20 @@ TEST(Cli, Interrupt_Gives130AndNoFinishedLookingOutput) {
   EXPECT_EQ(run.exit_code, 130) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "bake/bake.json"));
   EXPECT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "m.loden", "-q"}).exit_code, 3);
+}
+
+TEST(Cli, InterruptOrTerminationAmidAFit_LeavesNoAssetAndNoTemporaryFile) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ScratchFolder scratch, clock;
+    // Starting takes .3 s, the fit some seconds; a signal that comes earlier gives the same.
+    const auto timer = std::async(std::launch::async, [&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(800));
+      writeText(clock / "now", "");
+    });
+    const ToolRun run = loden({"cook", sharedBake(), "-o", scratch / "m.loden", "-q"}, clock / "now", signal);
+    EXPECT_EQ(run.exit_code, 128 + signal) << run.err;
+    EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "importer/tile_tracer.h"
 #include "importer_meshes.h"
 #include "material/issues.h"
+#include "material/vdim.h"
 
 namespace loden::importer {
 namespace {
@@ -85,6 +86,28 @@ TEST(Bake, FlatBtfAtItsVdimIsTheBtf) {
   double difference = 0;
   for (size_t k = 0; k < btf.size(); ++k) difference = std::max(difference, double(glm::length(btf[k] - flat[k])));
   EXPECT_LT(difference, 0.02);
+}
+
+TEST(Bake, ConcentricVdim_HoldsDepthsOfTheFirstHitOnTheRuntimesGrid) {
+  const auto height = [](glm::dvec2 p) { return 0.1 * (std::cos(2 * kPi * p.x) - 1); };
+  const Tile tile = testing::heightFieldTile(96, height);
+  const TemporaryFolder folder;
+  BakeOptions options = smallBake(8);
+  options.vdims = {};
+  options.concentric_vdims = {4};
+  const BakedOutput output = baked(tile, folder.path(), options);
+  EXPECT_EQ(output.manifest().concentric_vdims, std::vector<int>{4});
+  const auto depths = *output.concentricVdim(4);
+  ASSERT_EQ(depths.size(), size_t(16 * 64));
+  for (size_t k = 0; k < depths.size(); ++k) {
+    const glm::dvec3 wo = vdimViewFromSquare((glm::dvec2(k / 64 % 4, k / 64 / 4) + 0.5) / 4.0);
+    const glm::dvec2 x = (glm::dvec2(k % 8, k % 64 / 8) + 0.5) / 8.0, slope = glm::dvec2(wo) / wo.z;
+    const auto off = [&](double z) { return height(x + slope * z) - z; };  // below 0 above the surface
+    // The bake looks .0022 of a texel beside the centre, and at facets of 1 / 96: depths differ by slope * both.
+    const double tolerance = 2e-3 * (1 + glm::length(slope));
+    EXPECT_LT(std::abs(off(double(depths[k]))), tolerance);
+    for (double z = 0; z > double(depths[k]) + tolerance; z -= 1e-3) EXPECT_LT(off(z), tolerance) << "something stands before the hit";
+  }
 }
 
 // The BTF without any sharing: a shadow ray for every sample, view and light.
@@ -220,6 +243,7 @@ TEST(Bake, RefusesOptionsOutOfRange) {
   EXPECT_EQ(id([](auto& o) { o.bounces = -1; }), issue_id::kOption);
   EXPECT_EQ(id([](auto& o) { o.shard = 3, o.shards = 3; }), issue_id::kOption);
   EXPECT_EQ(id([](auto& o) { o.vdims = {{1, 4}}; }), issue_id::kOption);
+  EXPECT_EQ(id([](auto& o) { o.concentric_vdims = {0}; }), issue_id::kOption);
 }
 
 TEST(Bake, SaysWhereItCannotWrite) {

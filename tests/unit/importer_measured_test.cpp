@@ -5,9 +5,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "importer/cook.h"
 #include "importer/measured/bonn_folder.h"
 #include "importer/measured/btf_color.h"
 #include "importer/measured/btf_file.h"
+#include "importer/repair_log.h"
+#include "material/issues.h"
 #include "tests/unit/btf_writer.h"
 
 namespace loden::importer {
@@ -115,15 +118,23 @@ TEST(BtfFile, AnyChangedByteInFront_IsRefusedOrReadWithoutCrash) {
       }
 }
 
-TEST(BtfFile, NotANumber_IsRefusedWithItsPlace) {
+TEST(BtfFile, NotANumber_IsRefusedByTheCookWithItsPlaceOrRepaired) {
   const TemporaryFolder folder;
-  MemoryBtf btf = makeBtf(2, 2, 3);
+  MemoryBtf btf = makeBtf(4, 4, 3);
   btf.values[btf.texels()].x = std::nanf("");  // view 0, light 1, texel 0
-  const auto source = openBytes(folder, BtfWriter(btf).bdi(2));
+  auto source = openBytes(folder, BtfWriter(btf).bdi(2));
   ASSERT_TRUE(source.ok());
-  const auto values = (*source)->view(0);
-  ASSERT_FALSE(values.ok());
-  EXPECT_NE(values.issue().text.find("view 0, light 1, texel 0"), std::string::npos) << values.issue().text;
+  CookOptions options;
+  options.mode = Mode::kLod;
+  options.quiet = true;
+  const auto refused = cook(**source, options);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.issue().id, issue_id::kNonFinite);
+  EXPECT_NE(refused.issue().text.find("1 values"), std::string::npos) << refused.issue().text;
+  EXPECT_NE(refused.issue().text.find("view 0, the first at light 1, texel (0, 0)"), std::string::npos) << refused.issue().text;
+  const auto log = std::make_shared<RepairLog>();
+  EXPECT_TRUE(cook(*repairedSource(std::move(*source), log), options).ok());
+  EXPECT_EQ(log->count(), 1u);
 }
 
 TEST(BtfFile, UnrelatedUseOfTheName_IsRefused) {
@@ -242,7 +253,7 @@ TEST(Reciprocity, WithCosine_AddsItOnceAndSaysWhenTheFlagIsWrong) {
   const MemoryBtf with = reciprocalBtf(true);
   for (const bool cosine : {false, true}) {
     std::string note;
-    const auto source = withCosine(std::make_unique<MemorySource>(reciprocalBtf(cosine)), 2, note);
+    const auto source = withCosine(std::make_unique<MemorySource>(reciprocalBtf(cosine)), CosineFlag::kNotIncluded, 2, note);
     ASSERT_TRUE(source.ok());
     expectSame(**source, with, 1e-6f);
     EXPECT_EQ(note.find("flag says otherwise") != std::string::npos, cosine) << note;

@@ -1,0 +1,31 @@
+// The whole BTF as textures, read and interpolated in four dimensions: what every compression is measured against.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "importer/baked_output.h"
+#include "runtime/gl_objects.h"
+
+namespace loden::bench {
+
+// All light-view images of a bake over Bonn's 81 directions as repeating, mip-mapped layers, RGB9E5. GL promises 2048
+// layers only, so they are spread over eight array textures: by the parity of the view's ring, of the light's ring and
+// of the light's place on it. Two neighbouring rings, and two neighbours on a ring, then lie in different textures.
+class BtfTable {
+ public:
+  static constexpr int kTextures = 8;
+  explicit BtfTable(const importer::BakedOutput& baked);
+  void bind() const;  // to LODEN_UNIT_FIRST_FREE and up
+  uint64_t bytes() const { return bytes_; }
+
+ private:
+  std::array<runtime::GlTexture, kTextures> textures_;
+  uint64_t bytes_ = 0;
+};
+
+// vec3 btf_table_value(vec2 x, float lambda, vec3 wi, vec3 wo): linear between two samples on a ring and between two
+// rings, for light and view, trilinear over x: 16 texture instructions. Needs loden_material.glsl before it.
+extern const char kBtfTableLibrary[];
+
+}  // namespace loden::bench

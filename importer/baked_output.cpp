@@ -58,9 +58,13 @@ Result<BakedOutput> BakedOutput::open(const fs::path& folder) {
   if (!text) return text.issue();
   auto manifest = parseManifest(*text, path.string());
   if (!manifest) return manifest.issue();
+  return unfinished(folder, std::move(*manifest));
+}
+
+BakedOutput BakedOutput::unfinished(const fs::path& folder, BakeManifest manifest) {
   BakedOutput output;
   output.folder_ = folder;
-  output.manifest_ = std::move(*manifest);
+  output.manifest_ = std::move(manifest);
   return output;
 }
 

@@ -41,6 +41,7 @@ struct BakeManifest {
   int supersample = 2;
   int bounces = 0;
   FillMethod fill = FillMethod::kPushPull;
+  TexelMethod texels = TexelMethod::kMean;
   DirectionSet directions;  // lights and views alike
   std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
   bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;
@@ -55,6 +56,9 @@ struct BakeManifest {
 class BakedOutput {
  public:
   static Result<BakedOutput> open(const std::filesystem::path& folder);
+
+  // Of a bake that has not finished: its files may be missing.
+  static BakedOutput unfinished(const std::filesystem::path& folder, BakeManifest manifest);
 
   const BakeManifest& manifest() const { return manifest_; }
   const std::filesystem::path& folder() const { return folder_; }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/bake.h"
+#include "importer/baked_files.h"
 #include "importer/btf_source.h"
 #include "importer/cli/output.h"
 #include "importer/measured/bonn_folder.h"
@@ -54,7 +55,8 @@ class BakeCommand : public Command {
     options.texts("--vdim", vdims_, "Indirection maps, latlong:ZxA, with commas between");
     options.integer("--supersample", bake_.supersample, "Samples per texel side", 1, 16);
     options.integer("--bounces", bake_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
-    options.choice("--fill", fill_, {"push-pull", "harmonic"}, "How texels that a view does not see are filled");
+    options.choice("--fill", fill_, {"push-pull", "harmonic", "nearest-view"}, "How texels that a view does not see are filled");
+    options.choice("--texels", texels_, {"mean", "linear"}, "Flat-BTF texels: means, or fitted to the linear filter that reads them");
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
     options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
     options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
@@ -90,7 +92,8 @@ class BakeCommand : public Command {
       if (!vdim) return vdim.issue();
       bake_.vdims.push_back(*vdim);
     }
-    bake_.fill = fill_ == "harmonic" ? FillMethod::kHarmonic : FillMethod::kPushPull;
+    bake_.fill = fillByName(fill_).value_or(FillMethod::kPushPull);
+    bake_.texels = texels_ == "linear" ? TexelMethod::kLinear : TexelMethod::kMean;
     const auto maps = parseMaps(maps_);
     if (!maps) return maps.issue();
     bake_.maps = *maps;
@@ -133,7 +136,7 @@ class BakeCommand : public Command {
               (complete ? "\n" : "; other shards are still to come\n"));
   }
 
-  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull";
+  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull", texels_ = "mean";
   std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;

@@ -245,19 +245,23 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   const StudyBake truth{0, kGrid, FillMethod::kPushPull, TexelMethod::kMean, {.btf = true, .flat = false, .vdim = false, .surface = false}};
   const auto btf = studyBake(options, name, truth);
   if (!btf) return btf.issue();
-  for (const int flat_size : {options.size, 2 * options.size})
-    for (const TexelMethod texels : {TexelMethod::kMean, TexelMethod::kLinear}) {
-      const StudyBake wanted{flat_size, kFlatSupersample, FillMethod::kPushPull, texels, {.btf = false, .flat = true, .vdim = false, .surface = false}};
-      const auto flat = studyBake(options, name, wanted);
-      if (!flat) return flat.issue();
-      const Subject subject{name, *btf, *flat, tracer, options};
-      auto paper = measure(subject, "paper", btf->manifest().directions.size(), [&](int view) { return paperView(subject, view); });
-      if (!paper) return paper.issue();
-      rows.push_back(std::move(*paper));
-      auto unsampled = measure(subject, "unsampled", kUnsampledViews, [&](int view) { return unsampledView(subject, vdim, view); });
-      if (!unsampled) return unsampled.issue();
-      rows.push_back(std::move(*unsampled));
-    }
+  struct FlatMap {
+    int size;
+    TexelMethod texels;
+  };
+  for (const auto& [flat_size, texels] : {FlatMap{options.size, TexelMethod::kMean}, {2 * options.size, TexelMethod::kMean}, {2 * options.size, TexelMethod::kLinear}}) {
+    const StudyBake wanted{flat_size, kFlatSupersample, FillMethod::kPushPull, texels, {.btf = false, .flat = true, .vdim = false, .surface = false}};
+    const auto flat = studyBake(options, name, wanted);
+    if (!flat) return flat.issue();
+    const Subject subject{name, *btf, *flat, tracer, options};
+    auto paper = measure(subject, "paper", btf->manifest().directions.size(), [&](int view) { return paperView(subject, view); });
+    if (!paper) return paper.issue();
+    rows.push_back(std::move(*paper));
+    if (texels == TexelMethod::kLinear) continue;  // the stored map loses far more than the texels
+    auto unsampled = measure(subject, "unsampled", kUnsampledViews, [&](int view) { return unsampledView(subject, vdim, view); });
+    if (!unsampled) return unsampled.issue();
+    rows.push_back(std::move(*unsampled));
+  }
   return {};
 }
 

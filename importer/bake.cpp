@@ -14,6 +14,7 @@
 #include "importer/parameterize.h"
 #include "importer/progress.h"
 #include "importer/surface_samples.h"
+#include "importer/view_fill.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -61,6 +62,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.supersample = o.supersample;
   m.bounces = o.bounces;
   m.fill = o.fill;
+  m.texels = o.texels;
   m.directions = o.directions.size() > 0 ? o.directions : bonn81Directions();
   if (o.maps.vdim) m.vdims = o.vdims, m.concentric_vdims = o.concentric_vdims;
   m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
@@ -184,8 +186,10 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
                  std::to_string(counters.misses) + " of " + std::to_string(counters.hits_due) +
                      " view rays meet no surface: the tile has holes or does not cover its period"};
   }
-  if (ready->complete())
-    if (const Status status = ready->finish(); !status) return status.issue();
+  if (ready->complete()) {
+    const auto fill = [&] { return arena.execute([&] { return fillFromViews(folder, manifest, options.quiet); }); };
+    if (const Status status = ready->finish(fill); !status) return status.issue();
+  }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return BakeReport{counters.rays, seconds, counters.misses};
 }

@@ -25,6 +25,7 @@ struct BakeOptions {
   int supersample = 2;      // samples per texel side
   int bounces = 0;          // 0: direct light and cast shadows
   FillMethod fill = FillMethod::kPushPull;  // of texels that a view does not see
+  TexelMethod texels = TexelMethod::kMean;  // of those that it sees
   BakeMaps maps;
   bool resume = false;      // keep what an interrupted run has finished
   int shard = 0, shards = 1;  // this process does views v with v % shards == shard

@@ -2,9 +2,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "importer/bake_scene.h"
 #include "importer/light_sum.h"
+#include "importer/linear_texels.h"
 #include "importer/random.h"
 #include "importer/surface_samples.h"
 
@@ -14,22 +16,27 @@ namespace {
 // One row of flat texels under one view.
 class FlatRow {
  public:
-  FlatRow(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights, const glm::dvec3& wo, int row)
-      : scene_(scene), surface_(surface), lights_(lights), wo_(wo), row_(row) {}
+  // linear: takes every sample that the view sees; none: only the texels' means are wanted.
+  FlatRow(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights, const glm::dvec3& wo, int row, LinearTexels* linear)
+      : scene_(scene), surface_(surface), lights_(lights), wo_(wo), row_(row), linear_(linear), single_(lights), values_(lights.size()) {}
 
   void bake(FlatView& view);
 
  private:
   size_t texel(int i) const { return size_t(row_) * size_t(surface_.side()) + size_t(i); }
   void traceView();
-  int addTexel(size_t texel, LightSum& sum) const;  // the number of samples that the view sees
+  int addTexel(int i, LightSum& sum);  // the number of samples that the view sees
+  void addSample(size_t sample, uint64_t seed, LightSum& sum) const;
 
   const BakeScene& scene_;
   const SurfaceSamples& surface_;
   const LightTable& lights_;
   const glm::dvec3 wo_;
   const int row_;
-  std::vector<uint8_t> hidden_;  // [sample of the row], from the first one
+  LinearTexels* const linear_;
+  LightSum single_;                // of one sample
+  std::vector<glm::vec3> values_;  // [light], the same
+  std::vector<uint8_t> hidden_;    // [sample of the row], from the first one
 };
 
 // Which samples the view sees: those that face it, and that no other part of the tile hides.
@@ -48,19 +55,31 @@ void FlatRow::traceView() {
   scene_.counters.rays += rays;
 }
 
-int FlatRow::addTexel(size_t texel, LightSum& sum) const {
-  const size_t row_begin = surface_.first(this->texel(0));
+void FlatRow::addSample(size_t sample, uint64_t seed, LightSum& sum) const {
+  const SurfaceSample& at = surface_[sample];
+  sum.add(at.normal, glm::vec3(wo_), at.brdf, surface_.lit(sample));
+  if (scene_.manifest.bounces == 0) return;
+  std::vector<glm::vec3> indirect(lights_.size());
+  addIndirect(scene_, scene_.tracer.pointOn(at.triangle, glm::dvec2(at.b)), wo_, seed, indirect.data());
+  sum.add(indirect);
+}
+
+int FlatRow::addTexel(int i, LightSum& sum) {
+  const size_t row_begin = surface_.first(texel(0)), t = texel(i);
   int seen = 0;
-  for (size_t s = surface_.first(texel); s < surface_.end(texel); ++s) {
+  for (size_t s = surface_.first(t); s < surface_.end(t); ++s) {
     if (hidden_[s - row_begin]) continue;
     ++seen;
-    const SurfaceSample& sample = surface_[s];
-    sum.add(sample.normal, glm::vec3(wo_), sample.brdf, surface_.lit(s));
-    if (scene_.manifest.bounces == 0) continue;
-    std::vector<glm::vec3> indirect(lights_.size());
-    const TileHit hit = scene_.tracer.pointOn(sample.triangle, glm::dvec2(sample.b));
-    addIndirect(scene_, hit, wo_, mixSeed(~texel, s - surface_.first(texel)), indirect.data());
-    sum.add(indirect);
+    const uint64_t seed = mixSeed(~t, s - surface_.first(t));
+    if (!linear_) {
+      addSample(s, seed, sum);
+      continue;
+    }
+    single_.clear();
+    addSample(s, seed, single_);
+    for (size_t l = 0; l < lights_.size(); ++l) values_[l] = single_[l];
+    sum.add(values_);
+    linear_->add({i, row_}, surface_[s].place, values_);
   }
   return seen;
 }
@@ -71,12 +90,21 @@ void FlatRow::bake(FlatView& view) {
   LightSum sum(lights_);
   for (int i = 0; i < surface_.side(); ++i) {
     sum.clear();
-    const int seen = addTexel(texel(i), sum);
+    const int seen = addTexel(i, sum);
     if (seen == 0) continue;
     view.visible[texel(i)] = float(seen) / float(surface_.end(texel(i)) - surface_.first(texel(i)));
     for (size_t l = 0; l < lights_.size(); ++l)
       for (int c = 0; c < 3; ++c) view.atlas.pixels[3 * layout.pixel(int(l), i, row_) + size_t(c)] = sum[l][c] / float(seen);
   }
+}
+
+// All rows, in turns whose rows are three apart, so that those of a turn touch no common neighbour.
+template <class Body>
+void forRowsApart(int side, const Body& body) {
+  const int thirds = side / 3;
+  for (int turn = 0; turn < 3; ++turn)
+    tbb::parallel_for(0, thirds, [&](int k) { body(3 * k + turn); });
+  for (int row = 3 * thirds; row < side; ++row) body(row);
 }
 
 }  // namespace
@@ -89,9 +117,11 @@ FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int
   const glm::dvec3 wo = scene.directions()[size_t(view)];
   LightTable lights(scene.manifest.directions);
   lights.setView(glm::vec3(wo));
-  tbb::parallel_for(0, side, [&](int row) {
+  std::optional<LinearTexels> linear;
+  if (scene.manifest.texels == TexelMethod::kLinear) linear.emplace(side, scene.manifest.supersample, lights.size());
+  forRowsApart(side, [&](int row) {
     const FlushDenormals flush;
-    FlatRow(scene, surface, lights, wo, row).bake(result);
+    FlatRow(scene, surface, lights, wo, row, linear ? &*linear : nullptr).bake(result);
   });
   const HoleFill fill(scene.manifest.fill, side, result.visible, surface.owners());
   tbb::parallel_for(0, layout.cells, [&](int light) {
@@ -100,6 +130,7 @@ FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int
     glm::vec3* const pixels = reinterpret_cast<glm::vec3*>(result.atlas.pixels.data());
     for (int j = 0; j < side; ++j) std::copy_n(pixels + layout.pixel(light, 0, j), side, &texels[size_t(j) * size_t(side)]);
     fill.apply(texels);
+    if (linear) linear->fit(size_t(light), texels);
     for (int j = 0; j < side; ++j) std::copy_n(&texels[size_t(j) * size_t(side)], side, pixels + layout.pixel(light, 0, j));
   });
   return result;

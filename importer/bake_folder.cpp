@@ -1,8 +1,11 @@
 #include "importer/bake_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <cerrno>
 #include <cstdio>
 
 #include "importer/baked_files.h"
@@ -47,6 +50,23 @@ std::string presentManifest(const fs::path& folder) {
   }
   return unreadable ? "unreadable" : "";
 }
+
+// Held by one process at a time; ends with the process.
+class FileLock {
+ public:
+  explicit FileLock(const fs::path& path) : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    while (file_ >= 0 && flock(file_, LOCK_EX) != 0 && errno == EINTR) {}
+  }
+  ~FileLock() {
+    if (file_ >= 0) close(file_);
+  }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+  bool held() const { return file_ >= 0; }
+
+ private:
+  int file_;
+};
 
 template <class T>
 void feed(XXH3_state_t* state, const T& value) {
@@ -100,7 +120,10 @@ bool BakeFolder::complete() const {
   return true;
 }
 
-Status BakeFolder::finish() const {
+Status BakeFolder::finish(const std::function<Status()>& last) const {
+  const FileLock lock(unfinishedPath(folder_));
+  if (!lock.held()) return {};  // the file has gone: another shard has finished the bake
+  if (Status status = last(); !status) return status;
   if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_), processSuffix()); !status) return status;
   std::error_code error;
   fs::remove(unfinishedPath(folder_), error);

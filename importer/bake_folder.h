@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "importer/baked_output.h"
@@ -18,8 +19,9 @@ class BakeFolder {
   const std::filesystem::path& path() const { return folder_; }
   // All files that the manifest's maps ask for exist.
   bool complete() const;
-  // Writes bake.json and takes the mark of the unfinished bake away.
-  Status finish() const;
+  // Runs `last`, writes bake.json, and takes the mark of the unfinished bake away. Shards that find the bake
+  // complete at the same time do this one after the other; `last` must give the same when it runs again.
+  Status finish(const std::function<Status()>& last) const;
   // Removes all that the bake has written.
   void discard() const;
 

@@ -52,6 +52,20 @@ fs::path concentricVdimPath(const fs::path& folder, int directions) {
 }
 fs::path surfacePath(const fs::path& folder, const std::string& map) { return folder / "surface" / (map + ".exr"); }
 
+const char* fillName(FillMethod method) {
+  switch (method) {
+    case FillMethod::kHarmonic: return "harmonic";
+    case FillMethod::kNearestView: return "nearest-view";
+    default: return "push-pull";
+  }
+}
+
+std::optional<FillMethod> fillByName(const std::string& name) {
+  for (const FillMethod method : {FillMethod::kPushPull, FillMethod::kHarmonic, FillMethod::kNearestView})
+    if (name == fillName(method)) return method;
+  return std::nullopt;
+}
+
 AtlasLayout AtlasLayout::forLights(int side, int lights) {
   return {side, lights, static_cast<int>(std::ceil(std::sqrt(double(lights))))};
 }
@@ -67,7 +81,8 @@ std::string manifestText(const BakeManifest& m) {
   json["geometry_size"] = m.geometry_size;
   json["supersample"] = m.supersample;
   json["bounces"] = m.bounces;
-  json["fill"] = m.fill == FillMethod::kHarmonic ? "harmonic" : "push-pull";
+  json["fill"] = fillName(m.fill);
+  json["texels"] = m.texels == TexelMethod::kLinear ? "linear" : "mean";
   json["directions"] = directionsJson(m.directions);
   json["vdims"] = nlohmann::ordered_json::array();
   for (const glm::ivec2& size : m.vdims) json["vdims"].push_back({size.x, size.y});
@@ -92,8 +107,11 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     m.supersample = json.at("supersample").get<int>();
     m.revision = json.value("revision", 0);  // baked by other tools
     m.bounces = json.at("bounces").get<int>();
-    if (const std::string fill = json.value("fill", "push-pull"); fill == "harmonic") m.fill = FillMethod::kHarmonic;
-    else if (fill != "push-pull") return refuse("fill is neither push-pull nor harmonic");
+    const auto fill = fillByName(json.value("fill", "push-pull"));
+    if (!fill) return refuse("fill is none of push-pull, harmonic, nearest-view");
+    m.fill = *fill;
+    if (const std::string texels = json.value("texels", "mean"); texels == "linear") m.texels = TexelMethod::kLinear;
+    else if (texels != "mean") return refuse("texels is neither mean nor linear");
     for (const int side : {m.size, m.flat_size, m.geometry_size})
       if (side < 1 || side > kMaxSide) return refuse("a size is outside 1.." + std::to_string(kMaxSide));
     const auto directions = directionsFromJson(json.at("directions"));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,10 @@ struct AtlasLayout {
     return size_t(cell / columns * side + j) * size_t(width()) + size_t(cell % columns * side + i);
   }
 };
+
+// The names of --fill and of bake.json.
+const char* fillName(FillMethod method);
+std::optional<FillMethod> fillByName(const std::string& name);
 
 // bake.json, its bytes the same for the same manifest.
 std::string manifestText(const BakeManifest& manifest);

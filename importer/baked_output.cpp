@@ -73,10 +73,15 @@ Result<BakedOutput> BakedOutput::open(const fs::path& folder, std::shared_ptr<Re
   if (!text) return text.issue();
   auto manifest = parseManifest(*text, path.string());
   if (!manifest) return manifest.issue();
+  BakedOutput output = unfinished(folder, std::move(*manifest));
+  output.repairs_ = std::move(repairs);
+  return output;
+}
+
+BakedOutput BakedOutput::unfinished(const fs::path& folder, BakeManifest manifest) {
   BakedOutput output;
   output.folder_ = folder;
-  output.manifest_ = std::move(*manifest);
-  output.repairs_ = std::move(repairs);
+  output.manifest_ = std::move(manifest);
   return output;
 }
 

@@ -46,6 +46,7 @@ struct BakeManifest {
   int supersample = 2;
   int bounces = 0;
   FillMethod fill = FillMethod::kPushPull;
+  TexelMethod texels = TexelMethod::kMean;
   DirectionSet directions;  // lights and views alike
   std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
   std::vector<int> concentric_vdims;  // directions per side of each stored depth map
@@ -64,6 +65,9 @@ class BakedOutput {
   // noted there (importer/repair_log.h). The BTF's values are looked at where they are used: by the fits, and by
   // bakedSource if there is a log.
   static Result<BakedOutput> open(const std::filesystem::path& folder, std::shared_ptr<RepairLog> repairs = nullptr);
+
+  // Of a bake that has not finished: its files may be missing.
+  static BakedOutput unfinished(const std::filesystem::path& folder, BakeManifest manifest);
 
   const BakeManifest& manifest() const { return manifest_; }
   const std::filesystem::path& folder() const { return folder_; }

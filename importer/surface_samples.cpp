@@ -31,7 +31,7 @@ SurfaceSamples::SurfaceSamples(const BakeScene& scene)
       const size_t column = t % size_t(side_) * size_t(per_side_) + size_t(k % per_side_);
       const size_t row = t / size_t(side_) * size_t(per_side_) + size_t(k / per_side_);
       grid_[row * size_t(grid_side) + column] = static_cast<uint32_t>(samples_.size());
-      samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b});
+      samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b, uint16_t(k)});
     }
     first_.push_back(static_cast<uint32_t>(samples_.size()));
   }

@@ -16,6 +16,7 @@ struct SurfaceSample {
   LocalBrdf brdf;
   uint32_t triangle;
   glm::vec2 b;
+  uint16_t place;  // in its texel: k of samplePosition
 };
 
 class SurfaceSamples {

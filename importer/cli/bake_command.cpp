@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/bake.h"
+#include "importer/baked_files.h"
 #include "importer/btf_source.h"
 #include "importer/cli/output.h"
 #include "importer/measured/bonn_folder.h"
@@ -62,7 +63,8 @@ class BakeCommand : public Command {
     options.texts("--vdim", vdims_, "Indirection maps, with commas between: latlong:ZxA (p - x), concentric:N (depths on the runtime's grid; no cook needs it, see extract)");
     options.integer("--supersample", bake_.supersample, "Samples per texel side", 1, 16);
     options.integer("--bounces", bake_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
-    options.choice("--fill", fill_, {"push-pull", "harmonic"}, "How texels that a view does not see are filled");
+    options.choice("--fill", fill_, {"push-pull", "harmonic", "nearest-view"}, "How texels that a view does not see are filled");
+    options.choice("--texels", texels_, {"mean", "linear"}, "Flat-BTF texels: means, or fitted to the linear filter that reads them");
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
     options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
     options.flag("--fix-nonfinite", fix_nonfinite_, "Repair vertices whose values are not finite from their neighbours, and say so");
@@ -98,7 +100,8 @@ class BakeCommand : public Command {
     bake_.vdims.clear();
     for (const std::string& text : vdims_)
       if (const Status status = parseVdim(text, bake_); !status) return status;
-    bake_.fill = fill_ == "harmonic" ? FillMethod::kHarmonic : FillMethod::kPushPull;
+    bake_.fill = fillByName(fill_).value_or(FillMethod::kPushPull);
+    bake_.texels = texels_ == "linear" ? TexelMethod::kLinear : TexelMethod::kMean;
     const auto maps = parseMaps(maps_);
     if (!maps) return maps.issue();
     bake_.maps = *maps;
@@ -150,7 +153,7 @@ class BakeCommand : public Command {
                         m.flipped_triangles, m.area_cv, m.area_p5, m.area_p95));
   }
 
-  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull";
+  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull", texels_ = "mean";
   std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;

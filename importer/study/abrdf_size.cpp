@@ -1,4 +1,5 @@
-// Bytes of every texel's ABRDF as a picture, BTF against Flat-BTF (FBTF table 3). The picture has a column per
+// Bytes of every texel's ABRDF as a picture, BTF against Flat-BTF (FBTF table 3), for each way to fill what a view
+// does not see. The picture has a column per
 // light and a row per view, 8-bit sRGB, clamped at white; PNG at level 9, JPEG at quality 100 without chroma
 // subsampling.
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <mutex>
 #include <optional>
 
+#include "importer/baked_files.h"
 #include "importer/parallel.h"
 #include "importer/picture.h"
 #include "importer/progress.h"
@@ -91,15 +93,23 @@ Result<StudyRows> studyAbrdfSize(const StudyOptions& options) {
     const int directions = manifest.directions.size();
     const auto btf = meanBytes([&](int view) { return baked->btfView(view); }, directions, manifest.size, options, "abrdf-size " + tile + " btf");
     if (!btf) return btf.issue();
-    const auto flat = meanBytes([&](int view) { return baked->flatView(view); }, directions, manifest.flat_size, options, "abrdf-size " + tile + " flat");
-    if (!flat) return flat.issue();
-    const auto add = [&](const char* format, double btf_bytes, double flat_bytes) {
-      StudyRow row;
-      row.set("tile", tile).set("size", manifest.size).set("format", format).set("btf_bytes", btf_bytes);
-      rows.push_back(row.set("flat_bytes", flat_bytes).set("ratio", btf_bytes / flat_bytes));
-    };
-    add("png", btf->png, flat->png);
-    add("jpeg", btf->jpeg, flat->jpeg);
+    for (const FillMethod fill : {FillMethod::kPushPull, FillMethod::kHarmonic, FillMethod::kNearestView}) {
+      StudyBake wanted;
+      wanted.fill = fill;
+      if (fill != FillMethod::kPushPull) wanted.maps = {.btf = false, .flat = true, .vdim = false, .surface = false};
+      const auto filled = studyBake(options, tile, wanted);
+      if (!filled) return filled.issue();
+      const std::string label = "abrdf-size " + tile + " flat " + fillName(fill);
+      const auto flat = meanBytes([&](int view) { return filled->flatView(view); }, directions, manifest.flat_size, options, label);
+      if (!flat) return flat.issue();
+      const auto add = [&](const char* format, double btf_bytes, double flat_bytes) {
+        StudyRow row;
+        row.set("tile", tile).set("size", manifest.size).set("format", format).set("fill", fillName(fill)).set("btf_bytes", btf_bytes);
+        rows.push_back(row.set("flat_bytes", flat_bytes).set("ratio", btf_bytes / flat_bytes));
+      };
+      add("png", btf->png, flat->png);
+      add("jpeg", btf->jpeg, flat->jpeg);
+    }
   }
   return rows;
 }

@@ -1,12 +1,14 @@
 // What is lost on the way from a BTF to Flat-BTF and back (FBTF section 4.1, table 1, figure 9).
 //
 // paper      sampled views: every reference texel is the mean over kGrid x kGrid points of the Flat-BTF, filtered
-//            linearly, at the traced p of each point ("all the VDIMs by oversampling").
+//            linearly, at the traced p of each point ("all the VDIMs by oversampling"). The reference has as many
+//            samples a texel, so that what is measured is not their noise.
 // unsampled  random views up to 85 degrees, all sampled lights: p from the stored, blended 16x16 map at texel
 //            centres, the Flat-BTF interpolated between the views of the rings around; truth is the tile's mesh,
 //            traced and shaded at 2 x 2 points per texel.
 // Lab distance is CIE76 between texels; lab_mean, lab_max, lab_min and lab_variance are over light-view images of
-// each image's mean distance; lab_texel_max is the largest of any texel.
+// each image's mean distance; lab_texel_max is the largest of any texel. Rows tell apart Flat-BTFs whose texels hold
+// the mean of what a view sees of them, and those that are fitted to the linear filter (fill_method.h).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +28,8 @@
 namespace loden::importer {
 namespace {
 
-constexpr int kGrid = 4;            // points per texel side, paper's protocol
+constexpr int kGrid = 8;            // points and samples of the reference per texel side, paper's protocol
+constexpr int kFlatSupersample = 4;
 constexpr int kUnsampledViews = 24;
 constexpr int kTruthGrid = 2;       // points per texel side of the unsampled truth
 
@@ -93,7 +96,20 @@ void addImage(ViewError& error, std::span<const glm::vec3> truth, std::span<cons
   error.sums.merge(sums);
 }
 
-StudyRow rowOf(const std::vector<std::optional<ViewError>>& views, const std::string& tile, int size, int flat_size, const char* protocol) {
+// One tile's inputs: the BTF, a Flat-BTF that may be finer, and the mesh.
+struct Subject {
+  const std::string& name;
+  const BakedOutput& btf;
+  const BakedOutput& flat;
+  const TileTracer& tracer;
+  const StudyOptions& options;
+  int side() const { return btf.manifest().size; }
+  int flatSide() const { return flat.manifest().flat_size; }
+};
+
+const char* texelsName(const Subject& subject) { return subject.flat.manifest().texels == TexelMethod::kLinear ? "linear" : "mean"; }
+
+StudyRow rowOf(const std::vector<std::optional<ViewError>>& views, const Subject& subject, const char* protocol) {
   ErrorSums all;
   std::vector<double> images;
   for (const auto& view : views) {
@@ -104,7 +120,8 @@ StudyRow rowOf(const std::vector<std::optional<ViewError>>& views, const std::st
   for (const double lab : images) mean += lab / double(images.size());
   for (const double lab : images) variance += (lab - mean) * (lab - mean) / double(images.size());
   StudyRow row;
-  row.set("tile", tile).set("size", size).set("flat_size", flat_size).set("protocol", protocol).set("lab_mean", mean);
+  row.set("tile", subject.name).set("size", subject.side()).set("flat_size", subject.flatSide()).set("texels", texelsName(subject));
+  row.set("protocol", protocol).set("lab_mean", mean);
   row.set("lab_max", *std::max_element(images.begin(), images.end())).set("lab_variance", variance);
   row.set("lab_min", *std::min_element(images.begin(), images.end())).set("lab_texel_max", all.labMax());
   row.set("rmse_y", all.y().rmse).set("mse_y", all.y().mse).set("mae_y", all.y().mae);
@@ -118,23 +135,12 @@ Picture slicePicture(std::span<const glm::vec3> slice, int side) {
   return picture;
 }
 
-// One tile's inputs: the BTF, a Flat-BTF that may be finer, and the mesh.
-struct Subject {
-  const std::string& name;
-  const BakedOutput& btf;
-  const BakedOutput& flat;
-  const TileTracer& tracer;
-  const StudyOptions& options;
-  int side() const { return btf.manifest().size; }
-  int flatSide() const { return flat.manifest().flat_size; }
-};
-
 // FBTF figure 9: reconstruction, reference and absolute difference of one slice.
 Status writeFigure(const Subject& subject, std::span<const glm::vec3> truth, std::span<const glm::vec3> test) {
   std::vector<glm::vec3> difference;
   for (size_t t = 0; t < truth.size(); ++t) difference.push_back(glm::abs(truth[t] - test[t]));
   std::filesystem::create_directories(subject.options.pictures);
-  const std::string stem = "flat-reconstruction-" + subject.name + "-" + std::to_string(subject.flatSide());
+  const std::string stem = "flat-reconstruction-" + subject.name + "-" + std::to_string(subject.flatSide()) + "-" + texelsName(subject);
   for (const auto& [what, slice] : {std::pair<const char*, std::span<const glm::vec3>>{"reference", truth}, {"reconstructed", test}, {"difference", difference}})
     if (const Status status = writePicture(slicePicture(slice, subject.side()), subject.options.pictures / (stem + "-" + what + ".png")); !status)
       return status;
@@ -212,7 +218,7 @@ Result<StudyRow> measure(const Subject& subject, const char* protocol, size_t vi
   std::vector<std::optional<ViewError>> errors(views);
   std::optional<Issue> issue;
   std::mutex issue_mutex;
-  Progress progress("flat-reconstruction " + subject.name + " " + protocol + " " + std::to_string(subject.flatSide()), views, subject.options.quiet);
+  Progress progress("flat-reconstruction " + subject.name + " " + protocol + " " + std::to_string(subject.flatSide()) + " " + texelsName(subject), views, subject.options.quiet);
   parallelFor(views, subject.options.threads, [&](size_t view) {
     auto error = body(static_cast<int>(view));
     if (error) {
@@ -224,25 +230,34 @@ Result<StudyRow> measure(const Subject& subject, const char* protocol, size_t vi
     progress.advance();
   });
   if (issue) return *issue;
-  return rowOf(errors, subject.name, subject.side(), subject.flatSide(), protocol);
+  return rowOf(errors, subject, protocol);
 }
 
 Status measureTile(const std::string& name, const StudyOptions& options, StudyRows& rows) {
   const auto tile = loadTile(studyTileName(name));
   if (!tile) return tile.issue();
   const TileTracer tracer(*tile);
-  const auto btf = studyBake(options, name);
-  if (!btf) return btf.issue();
-  const auto displacements = btf->vdim(16, 16);
+  const auto baked = studyBake(options, name);
+  if (!baked) return baked.issue();
+  const auto displacements = baked->vdim(16, 16);
   if (!displacements) return displacements.issue();
   const PaperVdim vdim = packPaperVdim(*displacements, options.size, 16, 16);
-  for (const int flat_size : {options.size, 2 * options.size}) {
-    const auto flat = studyBake(options, name, flat_size);
+  const StudyBake truth{0, kGrid, FillMethod::kPushPull, TexelMethod::kMean, {.btf = true, .flat = false, .vdim = false, .surface = false}};
+  const auto btf = studyBake(options, name, truth);
+  if (!btf) return btf.issue();
+  struct FlatMap {
+    int size;
+    TexelMethod texels;
+  };
+  for (const auto& [flat_size, texels] : {FlatMap{options.size, TexelMethod::kMean}, {2 * options.size, TexelMethod::kMean}, {2 * options.size, TexelMethod::kLinear}}) {
+    const StudyBake wanted{flat_size, kFlatSupersample, FillMethod::kPushPull, texels, {.btf = false, .flat = true, .vdim = false, .surface = false}};
+    const auto flat = studyBake(options, name, wanted);
     if (!flat) return flat.issue();
     const Subject subject{name, *btf, *flat, tracer, options};
     auto paper = measure(subject, "paper", btf->manifest().directions.size(), [&](int view) { return paperView(subject, view); });
     if (!paper) return paper.issue();
     rows.push_back(std::move(*paper));
+    if (texels == TexelMethod::kLinear) continue;  // the stored map loses far more than the texels
     auto unsampled = measure(subject, "unsampled", kUnsampledViews, [&](int view) { return unsampledView(subject, vdim, view); });
     if (!unsampled) return unsampled.issue();
     rows.push_back(std::move(*unsampled));

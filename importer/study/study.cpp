@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "importer/bake.h"
 #include "importer/bake_folder.h"
+#include "importer/baked_files.h"
 #include "importer/tile.h"
 
 namespace loden::importer {
@@ -36,26 +36,43 @@ std::string studyTileName(const std::string& tile) {
   return std::find(builtin.begin(), builtin.end(), tile) != builtin.end() ? "builtin:" + tile : tile;
 }
 
-Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile, int flat_size) {
-  std::string folder_name = std::filesystem::path(tile).stem().string() + "-" + std::to_string(options.size);
-  const bool own_flat_size = flat_size != 0 && flat_size != options.size;
-  if (own_flat_size) folder_name += "-flat" + std::to_string(flat_size);
-  const std::filesystem::path folder = options.bakes / folder_name;
+namespace {
+
+std::filesystem::path bakeFolder(const StudyOptions& options, const std::string& tile, const StudyBake& bake) {
+  std::string name = std::filesystem::path(tile).stem().string() + "-" + std::to_string(options.size);
+  if (bake.flat_size != 0 && bake.flat_size != options.size) name += "-flat" + std::to_string(bake.flat_size);
+  if (bake.supersample != StudyBake{}.supersample) name += "-s" + std::to_string(bake.supersample);
+  if (bake.texels == TexelMethod::kLinear) name += "-linear";
+  if (bake.fill != FillMethod::kPushPull) name += std::string("-") + fillName(bake.fill);
+  return options.bakes / name;
+}
+
+bool serves(const BakeManifest& m, const StudyOptions& options, const StudyBake& bake, const Tile& tile) {
+  return m.revision == kBakeRevision && m.size == options.size && m.flat_size == (bake.flat_size ? bake.flat_size : options.size) &&
+         m.supersample == bake.supersample && m.fill == bake.fill && m.texels == bake.texels && m.has_btf >= bake.maps.btf &&
+         m.has_flat >= bake.maps.flat && m.has_vdim >= bake.maps.vdim && m.has_surface >= bake.maps.surface &&
+         m.directions.samples == bonn81Directions().samples && m.input_hash == tileHash(tile);
+}
+
+}  // namespace
+
+Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile, const StudyBake& wanted) {
+  const std::filesystem::path folder = bakeFolder(options, tile, wanted);
   const std::string name = studyTileName(tile);
   const auto loaded = loadTile(name);
   if (!loaded) return loaded.issue();
   const bool baked_before = std::filesystem::exists(folder / "bake.json");
   if (baked_before) {
     auto baked = BakedOutput::open(folder);
-    if (!baked) return baked;
-    const BakeManifest& m = baked->manifest();
-    const bool same = m.revision == kBakeRevision && m.size == options.size && m.flat_size == (flat_size ? flat_size : options.size);
-    if (same && m.directions.samples == bonn81Directions().samples && m.input_hash == tileHash(*loaded)) return baked;
+    if (!baked || serves(baked->manifest(), options, wanted, *loaded)) return baked;
   }
   BakeOptions bake_options;
   bake_options.size = options.size;
-  bake_options.flat_size = flat_size;
-  bake_options.maps.btf = bake_options.maps.vdim = !own_flat_size;
+  bake_options.flat_size = wanted.flat_size;
+  bake_options.supersample = wanted.supersample;
+  bake_options.fill = wanted.fill;
+  bake_options.texels = wanted.texels;
+  bake_options.maps = wanted.maps;
   bake_options.threads = options.threads;
   bake_options.quiet = options.quiet;
   bake_options.resume = !baked_before;  // what stands there is of another tile or size

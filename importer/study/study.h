@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "importer/bake.h"
 #include "importer/baked_output.h"
 #include "material/result.h"
 
@@ -53,9 +54,19 @@ struct Study {
 std::span<const Study> studies();
 const Study* findStudy(std::string_view name);
 
-// The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, or, if flat_size
-// is neither 0 nor size, <bakes>/<tile>-<size>-flat<flat_size>. Baked first if it is not there, or of another tile.
-Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile, int flat_size = 0);
+// How a study wants a tile baked.
+struct StudyBake {
+  int flat_size = 0;  // 0: as the study's size
+  int supersample = 2;
+  FillMethod fill = FillMethod::kPushPull;
+  TexelMethod texels = TexelMethod::kMean;
+  BakeMaps maps;  // at least
+};
+
+// The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, and, where `bake`
+// says otherwise than by default, -flat<size>, -s<samples>, -<texels>, -<fill>. Baked first if it is not there, or of
+// another tile.
+Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile, const StudyBake& bake = {});
 // "button" -> "builtin:button"; a path stays a path.
 std::string studyTileName(const std::string& tile);
 

@@ -118,8 +118,15 @@ Result<StudyRows> studyViewCoherence(const StudyOptions& options) {
     if (!baked) return baked.issue();
     const auto btf = [&](int view) { return baked->btfView(view); };
     const auto flat = [&](int view) { return baked->flatView(view); };
+    StudyBake by_view;
+    by_view.fill = FillMethod::kNearestView;
+    by_view.maps = {.btf = false, .flat = true, .vdim = false, .surface = false};
+    const auto filled = studyBake(options, tile, by_view);
+    if (!filled) return filled.issue();
+    const auto flat_by_view = [&](int view) { return filled->flatView(view); };
     const int side = baked->manifest().size, flat_side = baked->manifest().flat_size;
     for (const Kind& kind : {Kind{"btf", btf, false, side}, Kind{"flat-filled", flat, false, flat_side},
+                             Kind{"flat-filled-nearest-view", flat_by_view, false, flat_side},
                              Kind{"flat-visible", flat, true, flat_side}}) {
       auto row = measure(*baked, tile, kind, options);
       if (!row) return row.issue();

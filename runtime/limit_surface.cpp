@@ -145,22 +145,24 @@ struct Limit {
 template <class Value>
 Limit<Value> evaluateLimit(const Far::TopologyRefiner& refiner, const Grid& grid, const std::vector<Value>& cage_values,
                            unsigned interpolation, int quads) {
-  Far::LimitStencilTableFactory::LocationArrayVec places(quads);
+  // The factory of the same name without Real makes one of these, too, and casts it to what it is not.
+  using Factory = Far::LimitStencilTableFactoryReal<float>;
+  Factory::LocationArrayVec places(quads);
   for (int q = 0; q < quads; ++q) {
     places[q].ptexIdx = q;  // quads only: one ptex face each
     places[q].numLocations = grid.points();
     places[q].s = grid.s.data();
     places[q].t = grid.t.data();
   }
-  Far::LimitStencilTableFactory::Options options;
+  Factory::Options options;
   options.interpolationMode = interpolation;
   options.generate1stDerivatives = true;
-  const std::unique_ptr<const Far::LimitStencilTable> table(
-      Far::LimitStencilTableFactory::Create(refiner, places, nullptr, nullptr, options));
+  const std::unique_ptr<const Far::LimitStencilTableReal<float>> table(
+      Factory::Create(refiner, places, nullptr, nullptr, options));
   Limit<Value> limit;
   if (!table || table->GetNumStencils() != quads * grid.points()) return limit;
   for (int i = 0; i < table->GetNumStencils(); ++i) {
-    const Far::LimitStencil stencil = table->GetLimitStencil(i);
+    const Far::LimitStencilReal<float> stencil = table->GetLimitStencil(i);
     Value value(0), ds(0), dt(0);
     for (int k = 0; k < stencil.GetSize(); ++k) {
       const Value& from = cage_values[stencil.GetVertexIndices()[k]];

@@ -20,17 +20,13 @@ Status checkOptions(const CookOptions& o) {
   const char* goal_option = o.max_bytes > 0 ? "--max-bytes" : "--target-rmse";
   if (!(o.target_rmse >= 0)) return refuse("--target-rmse", "must not be negative");
   if (goal && o.mode != Mode::kFused) return refuse(goal_option, "has a meaning with --mode fused only");
-  if (goal && (o.y_components > 0 || o.preset != Preset::kGame))
+  if (goal && (o.y_components > 0 || chroma || o.preset != Preset::kGame))
     return refuse(goal_option, "chooses the components itself; give it without --components and --preset");
   if (o.mode == Mode::kSurface && (o.levels > 0 || o.y_components > 0 || chroma))
     return refuse(o.levels > 0 ? "--levels" : "--components", "has no meaning with --mode surface, which has no bands");
-  if (o.mode == Mode::kFused && o.levels > 0) return refuse("--levels", "has no meaning with --mode fused, which has all levels");
-  if (o.mode == Mode::kFused && chroma)
-    return refuse("--components", "CB and CR must be 0 with --mode fused, which stores chroma as a ratio to Y");
+  if (o.cb_components != o.cr_components) return refuse("--components", "CB and CR must be equal: they share quads of the tables");
   if (o.mode == Mode::kFused && o.preset == Preset::kSeed)
     return refuse("--preset seed", "reproduces the paper's level-of-detail material; add --mode lod");
-  if (o.mode == Mode::kLod && o.preset == Preset::kGame && (o.cb_components > 0) != (o.cr_components > 0))
-    return refuse("--components", "CB and CR must both be 0 or both be positive");
   return {};
 }
 

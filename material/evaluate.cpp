@@ -265,7 +265,7 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_t
     const T weight = windowWeight(band.window, hit.lambda);
     if (weight > 0) ycc += weight * evaluateBand(band, m.theta_max, hit, at, mean);
   }
-  return rgbFromYcc(ycc) * fade;
+  return glm::max(rgbFromYcc(ycc), V3<T>(0)) * fade;
 }
 
 void Evaluator::prepareEnvironment() {

@@ -53,8 +53,7 @@ class Evaluator {
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
                  Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;
 
-  // Linear RGB as the asset stores it, white Lambert lit from above = 1; may be slightly negative where a fit
-  // undershoots.
+  // Linear RGB as the asset stores it, white Lambert lit from above = 1; where a fit undershoots black, 0.
   template <class T>
   glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
 

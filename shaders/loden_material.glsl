@@ -184,7 +184,7 @@ float loden_cosine_factor(vec3 wi_ts) {
 }
 
 // Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's values
-// leave the cosine out.
+// leave the cosine out. Not negative: where a fit undershoots black, 0.
 vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   wi_ts = loden_tilted(hit.tilt, wi_ts);
   wo_ts = loden_tilted(hit.tilt, wo_ts);
@@ -198,7 +198,7 @@ vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   float fade = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : loden_cosine_factor(wi_ts);
   vec3 mean = loden_evaluate_mean(wi, wo);
   vec3 bands = loden_evaluate_bands(hit, loden_table_position(wi, wo), mean);
-  return loden_rgb_from_ycc(mean + bands) * fade;
+  return max(loden_rgb_from_ycc(mean + bands), 0.0) * fade;
 #endif
 }
 

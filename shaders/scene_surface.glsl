@@ -46,12 +46,12 @@ float surfaceDepth(SurfacePoint point) { return point.hit.depth * point.material
 // True where the view ray leaves the tile again without meeting it.
 bool surfaceMissed(SurfacePoint point) { return point.hit.missed; }
 
-// Per unit irradiance; not negative, which a fit may be where it undershoots.
+// Per unit irradiance.
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
-  return max(loden_evaluate(point.material, point.hit, wi, wo), 0.0) * loden_material.surface.z;
+  return loden_evaluate(point.material, point.hit, wi, wo) * loden_material.surface.z;
 }
 
-// Radiance from the environment's light over the frame's hemisphere; the same lower bound.
+// Radiance from the environment's light over the frame's hemisphere; not negative, which a fit may be where it undershoots.
 vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
   LodenHemisphere light = loden_hemisphere_light(scene.environment, frame);
   return max(loden_evaluate_environment(point.material, point.hit, light, wo), 0.0) * (LODEN_PI * loden_material.surface.z);

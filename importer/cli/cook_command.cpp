@@ -38,8 +38,8 @@ class CookCommand : public Command {
                    "fused: fine bands on the tile, coarse ones on the plane; lod: Ma et al. 2005; surface: normal and diffuse map");
     options.choice("--preset", preset_, {"seed", "game", "reference"},
                    "seed: as published; game: 8 bit, small; reference: as exact as it gets");
-    options.text("--components", components_, "Y,CB,CR components; default: the preset's");
-    options.integer("--levels", cook_.levels, "Levels of detail; 0: the preset's", 0, 16);
+    options.text("--components", components_, "Y,CB,CR components; fused: CB = CR for what a ratio to Y leaves; default: the preset's");
+    options.integer("--levels", cook_.levels, "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
     options.flag("--fix-nonfinite", fix_nonfinite_, "Repair values that are not finite from their neighbours, and say so");
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
     options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
@@ -153,13 +153,24 @@ class CookCommand : public Command {
       printText("no trade was measured: give --max-bytes or --target-rmse with --mode fused\n");
       return;
     }
-    std::string text = formatted("%12s %5s %6s %9s %12s %10s\n", "Y components", "phis", "flat x", "geometry", "bytes", "RMSE of Y");
+    std::string text = formatted("%12s %5s %6s %5s %9s %12s %10s\n", "Y components", "phis", "flat x", "bits", "geometry", "bytes", "RMSE of Y");
     for (const auto& point : meta["trade"])
-      text += formatted("%12d %5d %6d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("phis", 0),
-                        point.value("flat_scale", 0), point.value("geometry_side", 0),
+      text += formatted("%12d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("phis", 0),
+                        point.value("flat_scale", 0.0), point.value("bits", 0), point.value("geometry_side", 0),
                         withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
                         point.value("pareto", false) ? " *" : "");
-    printText(text);
+    printText(text + levelsText(material));
+  }
+
+  // The goal's error is that of lambda 0, where the coarser levels are not read, so it cannot weigh them: what they cost is said instead.
+  static std::string levelsText(const Material& material) {
+    if (material.bands.size() < 2) return "levels: the flat map alone\n";
+    const Band& coarse = material.bands.back();
+    uint64_t beyond = coarse.weights.data.size();
+    beyond -= textureBytes(coarse.weights.format, uint64_t(coarse.weights.width), uint64_t(coarse.weights.height), uint64_t(coarse.weights.depth), 1);
+    return formatted("levels: not part of the trade, as the error above is that of lambda 0. From lambda 1 on they cost %s bytes, from 2 on %s; "
+                     "--levels N keeps the N finest\n",
+                     withThousands(coarse.bytes()).c_str(), withThousands(beyond).c_str());
   }
 
   std::filesystem::path input_, output_;

@@ -9,7 +9,6 @@
 #include "material/check.h"
 
 namespace loden::importer {
-namespace {
 
 TexelFormat formatOf(Storage storage) {
   switch (storage) {
@@ -19,6 +18,8 @@ TexelFormat formatOf(Storage storage) {
   }
   return TexelFormat::kRGBA8Snorm;
 }
+
+namespace {
 
 // Where component c of a channel stands: Y fills quads from 0, Cb and Cr share the quads behind.
 struct Place {

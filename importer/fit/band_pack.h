@@ -26,6 +26,8 @@ enum class Storage {
   kFloat32,  // as published
 };
 
+TexelFormat formatOf(Storage storage);
+
 struct PackOptions {
   TableLayout layout = TableLayout::kGrid;
   Storage storage = Storage::kSnorm8;

@@ -1,15 +1,18 @@
 #include "importer/fit/coarse_fit.h"
 
+#include <Eigen/QR>
 #include <cmath>
 
 #include "importer/fit/band_fit.h"
 #include "importer/fit/eigen.h"
 #include "importer/fit/flat_fit.h"
+#include "importer/fit/grid_table.h"
 
 namespace loden::importer {
 namespace {
 
 constexpr double kGrowth = 2;
+constexpr int kTriedColumns = 3, kFewestColumns = 5;
 
 // Sides of the levels from `side` down to 1.
 std::vector<int> levelSides(int side) {
@@ -68,7 +71,31 @@ Factors fitChannel(const ColumnBlocks& finest, int side, int components, const D
   return {weights, solveGridBasis(levels, straight, stackedLevels(weights, side), options.grid, lights, views, options.threads)};
 }
 
+// samples x samples: the nearest values that a grid can give.
+Eigen::MatrixXd gridProjection(const DirectionGrid& grid, const DirectionSet& set) {
+  const Matrix sampling = gridSampling(grid, set);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(eigen(sampling));
+  const Eigen::MatrixXd q = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
+  return q * q.transpose();
+}
+
 }  // namespace
+
+DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const DirectionSet& lights, const DirectionSet& views, int phis) {
+  Eigen::MatrixXd rest(lights.size(), views.size());
+  for (int v = 0; v < views.size(); ++v)
+    for (int l = 0; l < lights.size(); ++l) rest(l, v) = means(v * lights.size() + l, 0) - mean(v * lights.size() + l, 0);
+  DirectionGrid best = gridFor(lights, 6, phis);
+  double least = INFINITY;
+  for (int columns = phis; columns > phis - kTriedColumns && columns >= kFewestColumns; --columns) {
+    const DirectionGrid grid = gridFor(lights, 6, columns);
+    const double misfit = (gridProjection(grid, lights) * rest * gridProjection(grid, views) - rest).squaredNorm();
+    if (misfit >= least) continue;
+    least = misfit;
+    best = grid;
+  }
+  return best;
+}
 
 BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views, const Matrix& mean,
                       const CoarseFitOptions& options) {

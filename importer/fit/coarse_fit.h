@@ -20,4 +20,9 @@ struct CoarseFitOptions {
 BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views, const Matrix& mean,
                       const CoarseFitOptions& options);
 
+// The grid of at most `phis` columns that gives the full average best. There all components but the first have no weight, so a coarse
+// band's error is what this one table misses; and where the columns fall among the samples of the rings decides that: 17 columns can
+// beat 18. Tries the last few numbers of columns. `means`: of the images, `mean`: what is taken away, both (views * lights) x 3.
+DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const DirectionSet& lights, const DirectionSet& views, int phis);
+
 }  // namespace loden::importer

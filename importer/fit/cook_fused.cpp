@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "importer/charts.h"
@@ -22,18 +24,42 @@ constexpr int kFullPhis = 25;  // from here on the grid can give back every samp
 constexpr float kFlatFirst = 0.5f;
 constexpr int kFlatMips = 2;   // to lambda 1.5; at 2 the reference-domain band has taken over
 constexpr float kCrossFadeBegin = 1, kCrossFadeEnd = 2;
+constexpr int kChromaSweeps = 2;
+
+// A single texel is its own average.
+bool hasCoarseBand(const FusedPlan& plan, int side) { return plan.coarse_y > 0 && plan.levels != 1 && side > 1; }
+int flatMips(const FusedPlan& plan, int flat_side) { return plan.levels == 1 ? 1 : std::min(kFlatMips, fullMipCount(flat_side, flat_side)); }
+int coarseMips(const FusedPlan& plan, int half) {
+  const int all = fullMipCount(half, half);
+  return plan.levels == 0 ? all : std::min(plan.levels - 1, all);
+}
 
 // What the fits of both bands share.
 struct FusedInput {
   const BtfSource& source;
   const YccBtf& btf;
   const Material& material;  // mean and geometry are set
-  Matrix mean;               // at the samples
+  Matrix means;              // of each image, (views * lights) x 3
+  Matrix mean;               // the fitted mean at the samples, of the same shape
   int threads;
 };
 
+// Cb and Cr of the fine band beyond a ratio to the luma that results.
+void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan, const DirectionGrid& grid, const ColumnBlocks& luma,
+                   FlatFitOptions fit, BandFactors& factors) {
+  fit.components = plan.chroma_components;
+  fit.sweeps = kChromaSweeps;
+  for (const int channel : {1, 2}) {
+    const ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
+    Factors& f = channel == 1 ? factors.cb : factors.cr;
+    f.weights = quantisedWeights(fitFlat(rest, a, fit).factors.weights, plan.storage);
+    f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(), in.source.views(), in.threads)
+                              : solveBasis(rest, a, f.weights, in.threads);
+  }
+}
+
 // The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored, then
-// chroma as a ratio to the Y that results.
+// chroma as a ratio to the Y that results, and what that leaves where components are given for it.
 Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
   const DirectionGrid grid = gridFor(lights, 6, plan.phis);
@@ -41,11 +67,11 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
   FlatFitOptions fit;
   fit.components = plan.y_components;
   fit.sweeps = plan.sweeps;
-  fit.owners = chartOwners(in.btf.side() * plan.flat_scale, in.material.geometry);
+  fit.owners = chartOwners(flatSide(plan, in.btf.side()), in.material.geometry);
   fit.threads = in.threads;
-  const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, Storage::kSnorm8);
+  const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, plan.storage);
   BandFactors factors;
-  factors.side = in.btf.side() * plan.flat_scale;
+  factors.side = flatSide(plan, in.btf.side());
   factors.on_grid = plan.phis < kFullPhis;
   Factors at_samples{weights, {}};
   if (factors.on_grid) {
@@ -56,11 +82,14 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
     at_samples.basis = solveBasis(luma, a, weights, in.threads);
     factors.y = at_samples;
   }
-  factors.ratio = {fitRatios(in.btf, at_samples, in.mean, in.material.mean, a, in.threads)};
-  Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, grid, kFlatMips, 0, fit.owners});
+  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a);
+  factors.ratio = {fitRatios(in.btf, whole, in.material.mean, a, in.threads)};
+  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, fit, factors);
+  const int mips = flatMips(plan, factors.side);
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, plan.storage, grid, mips, 0, fit.owners});
   band.domain = Domain::kFlat;
   band.lambda_first = kFlatFirst;
-  band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
+  if (hasCoarseBand(plan, in.btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
   return band;
 }
 
@@ -70,7 +99,7 @@ std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const Ycc
   std::optional<YccBtf> coarser;
   for (const YccBtf* level = &half;; level = &*coarser) {
     const Indirection straight = identityIndirection(level->texels(), level->views());
-    ratios.push_back(fitRatios(*level, luma, in.mean, in.material.mean, straight, in.threads));
+    ratios.push_back(fitRatios(*level, wholeLuma(*level, luma, in.mean, straight), in.material.mean, straight, in.threads));
     if (level->side() == 1) return ratios;
     luma.weights = downsample(luma.weights, level->side(), BoxFilter::k2x2);
     coarser = downsample(*level, BoxFilter::k2x2, in.threads);
@@ -81,12 +110,12 @@ std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const Ycc
 Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
   const YccBtf half = downsample(in.btf, BoxFilter::k2x2, in.threads);
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
-  const CoarseFitOptions fit{plan.coarse_y, gridFor(lights, 6, plan.coarse_phis), in.threads};
+  const CoarseFitOptions fit{plan.coarse_y, averageGrid(in.means, in.mean, lights, views, plan.coarse_phis), in.threads};
   BandFactors factors = fitCoarse(half, lights, views, in.mean, fit);
   const Matrix sample_lights = gridSampling(fit.grid, lights), sample_views = gridSampling(fit.grid, views);
   const Factors at_samples{factors.y.weights, mapTables(factors.y.basis, sample_lights, sample_views)};
   factors.ratio = levelRatios(in, half, at_samples);
-  const int mips = fullMipCount(half.side(), half.side());
+  const int mips = coarseMips(plan, half.side());
   Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, fit.grid, mips, 0});
   band.lambda_first = 1;
   band.window = {kCrossFadeBegin, kCrossFadeEnd};
@@ -94,6 +123,8 @@ Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
 }
 
 }  // namespace
+
+int flatSide(const FusedPlan& plan, int side) { return std::max(1, static_cast<int>(std::lround(side * plan.flat_scale))); }
 
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
                   int threads) {
@@ -104,15 +135,16 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   m.value_scale = static_cast<float>(1 / kPi);
   m.geometry = geometry;
   m.theta_max = gridFor(source.lights()).theta_max;
-  m.mean = fitPhong(imageMeans(btf, threads), source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
+  Matrix means = imageMeans(btf, threads);
+  m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
 
   const Evaluator lookup(m, {}, threads);
   const Indirection a = makeIndirection(
-      btf.side(), btf.side() * plan.flat_scale, source.views(),
+      btf.side(), flatSide(plan, btf.side()), source.views(),
       [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
-  const FusedInput in{source, btf, m, sampleMean(m.mean, source.lights(), source.views()), threads};
+  const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()), threads};
   m.bands.push_back(fitFlatBand(in, a, plan));
-  if (plan.coarse_y > 0) m.bands.push_back(fitCoarseBand(in, plan));
+  if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
   const Band& last = m.bands.back();
   m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
   const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads);
@@ -120,14 +152,19 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
 }
 
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
-  const auto maps = [](uint64_t texels_side, int mips, int layers) {
-    return textureBytes(TexelFormat::kRGBA8Snorm, texels_side, texels_side, uint64_t(layers), mips);
+  const auto maps = [](Storage storage, int texels_side, int mips, int layers) {
+    return textureBytes(formatOf(storage), uint64_t(texels_side), uint64_t(texels_side), uint64_t(layers), mips);
   };
-  const auto tables = [](int quads, int phis) { return uint64_t(quads) * uint64_t(phis) * uint64_t(phis) * 36 * 4; };
-  const int fine_quads = (plan.y_components + 3) / 4, coarse_quads = (plan.coarse_y + 3) / 4;
-  return maps(uint64_t(side * plan.flat_scale), kFlatMips, fine_quads + 1) + tables(fine_quads, plan.phis) +
-         maps(uint64_t(side / 2), fullMipCount(side / 2, side / 2), coarse_quads + 1) + tables(coarse_quads, plan.coarse_phis) +
-         textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
+  const auto tables = [](Storage storage, int quads, int phis) {
+    return textureBytes(formatOf(storage), uint64_t(phis), 36, uint64_t(quads * phis), 1);
+  };
+  const int flat_side = flatSide(plan, side);
+  const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2, coarse_quads = (plan.coarse_y + 3) / 4;
+  uint64_t bytes = textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
+  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1) + tables(plan.storage, fine_quads, plan.phis);
+  if (hasCoarseBand(plan, side))
+    bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) + tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
+  return bytes;
 }
 
 namespace {
@@ -138,12 +175,16 @@ FusedPlan presetPlan(const CookOptions& options) {
   FusedPlan plan;
   if (options.preset == Preset::kReference) plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
   if (options.y_components) plan.y_components = options.y_components;
+  plan.chroma_components = options.cb_components;
+  plan.levels = options.levels;
   return plan;
 }
 
 }  // namespace
 
 Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry, const CookOptions& options) {
+  const Status levels = checkLevels(options.levels, source.size().x);
+  if (!levels) return levels.issue();
   auto btf = loadYcc(source, options.threads);
   if (!btf) return btf.issue();
   FusedPlan plan = presetPlan(options);
@@ -151,7 +192,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
-    const Goal goal{options.max_bytes, options.target_rmse};
+    const Goal goal{options.max_bytes, options.target_rmse, options.levels};
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
     const auto trial = [&](FusedPlan candidate) -> Result<double> {
       const auto image = geometry(candidate.geometry_side);

@@ -104,7 +104,7 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
   } else {
     const Indirection none = makeIndirection(source.size().x, source.size().x, source.views(),
                                              [](glm::dvec2 x, const glm::dvec3&) { return x; }, options.threads);
-    factors.ratio = {fitRatios(btf, factors.y, mean, m.mean, none, options.threads)};
+    factors.ratio = {fitRatios(btf, wholeLuma(btf, factors.y, mean, none), m.mean, none, options.threads)};
   }
   const int mips = options.levels ? options.levels : fullMipCount(source.size().x, source.size().x);
   m.bands.push_back(packBand(factors, source.lights(), source.views(), {TableLayout::kGrid, storage, grid, mips, 0}));
@@ -114,12 +114,15 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
 
 }  // namespace
 
+Status checkLevels(int levels, int side) {
+  const int most = fullMipCount(side, side);
+  if (levels <= most) return {};
+  return Issue{issue_id::kOption, Severity::kError, "--levels",
+               std::to_string(levels) + " are more than the " + std::to_string(most) + " that a side of " + std::to_string(side) + " has"};
+}
+
 Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
-  const int most = fullMipCount(source.size().x, source.size().x);
-  if (options.levels > most)
-    return Issue{issue_id::kOption, Severity::kError, "--levels",
-                 std::to_string(options.levels) + " are more than the " + std::to_string(most) + " that a side of " +
-                     std::to_string(source.size().x) + " has"};
+  if (const Status status = checkLevels(options.levels, source.size().x); !status) return status.issue();
   return options.preset == Preset::kSeed ? cookSeed(source, btf, options) : cookMipMapped(source, btf, options);
 }
 

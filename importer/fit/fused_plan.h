@@ -1,6 +1,7 @@
 // What a fused asset is made of: the choices that trade bytes for error.
 #pragma once
 
+#include "importer/fit/band_pack.h"
 #include "importer/fit/indirection.h"
 #include "importer/fit/measure.h"
 #include "material/material.h"
@@ -8,14 +9,20 @@
 namespace loden::importer {
 
 struct FusedPlan {
-  int y_components = 20;  // of the flat-domain band
-  int flat_scale = 1;     // flat texels per reference texel, along one side
-  int phis = 11;          // columns of its direction grid, the repeated one counted
-  int coarse_y = 20;      // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
-  int coarse_phis = 18;
-  int geometry_side = 0;  // of the geometry image; 0: as baked
-  int sweeps = 6;         // of the joint fit
+  int y_components = 20;      // of the flat-domain band
+  int chroma_components = 0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
+  Storage storage = Storage::kSnorm8;  // of the flat-domain band
+  double flat_scale = 1;      // flat texels per reference texel, along one side; 1/2, 1, 2
+  int phis = 11;              // columns of its direction grid, the repeated one counted
+  int coarse_y = 20;          // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
+  int coarse_phis = 18;       // at most; see averageGrid
+  int levels = 0;             // finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average
+  int geometry_side = 0;      // of the geometry image; 0: as baked
+  int sweeps = 6;             // of the joint fit
 };
+
+// Flat texels along one side, for a reference side.
+int flatSide(const FusedPlan& plan, int side);
 
 struct FusedFit {
   Material material;
@@ -26,7 +33,7 @@ struct FusedFit {
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
                   int threads);
 
-// Raw bytes that the file of a plan holds, without fitting it.
+// Raw bytes that the file of a plan holds at most, without fitting it; exact for coarse_phis as chosen.
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);
 
 }  // namespace loden::importer

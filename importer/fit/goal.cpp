@@ -61,6 +61,12 @@ class Search {
   Result<Choice> run() { return goal_.target_rmse > 0 ? fewestBytes() : leastError(); }
 
  private:
+  std::vector<FusedPlan> plans() const {
+    std::vector<FusedPlan> all = structures(geometry_side_);
+    for (FusedPlan& plan : all) plan.levels = goal_.levels;
+    return all;
+  }
+  FusedPlan smallest() const { return withComponents(plans().front(), 4); }
   uint64_t bytes(const FusedPlan& plan) const { return fusedBytes(plan, side_, plan.geometry_side); }
   bool fits(const FusedPlan& plan) const { return goal_.max_bytes == 0 || bytes(plan) <= goal_.max_bytes; }
 
@@ -82,7 +88,7 @@ class Search {
   // For each structure the most components that fit; the least error of these.
   Result<Choice> leastError() {
     std::optional<TradePoint> best;
-    for (const FusedPlan& structure : structures(geometry_side_)) {
+    for (const FusedPlan& structure : plans()) {
       int y = kMostComponents;
       while (y > 0 && !fits(withComponents(structure, y))) y -= 4;
       if (y == 0) continue;
@@ -90,8 +96,12 @@ class Search {
       if (!point) return point.issue();
       if (!best || point->rmse_y < best->rmse_y) best = *point;
     }
-    if (best) return finish(*best);
-    const FusedPlan least = smallestPlan(geometry_side_);
+    if (best) {
+      const auto finer = finerStorage(*best);
+      if (!finer) return finer.issue();
+      return finish(*finer);
+    }
+    const FusedPlan least = smallest();
     return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
                  "is too little: the smallest fused asset of this input takes " + std::to_string(bytes(least)) + " bytes"};
   }
@@ -99,7 +109,7 @@ class Search {
   // For each structure the fewest components that reach the target, unless they already cost more than the best.
   Result<Choice> fewestBytes() {
     std::optional<TradePoint> best, nearest;
-    for (const FusedPlan& structure : structures(geometry_side_))
+    for (const FusedPlan& structure : plans())
       for (const int y : componentSteps()) {
         const FusedPlan plan = withComponents(structure, y);
         if (!fits(plan) || (best && bytes(plan) >= best->bytes)) break;
@@ -110,9 +120,25 @@ class Search {
         best = *point;
         break;
       }
+    if (!best && nearest) {
+      const auto finer = finerStorage(*nearest);
+      if (!finer) return finer.issue();
+      nearest = *finer;
+      if (finer->rmse_y <= goal_.target_rmse) best = *finer;
+    }
     if (best) return finish(*best);
     if (nearest) return unreachable("--target-rmse " + std::to_string(goal_.target_rmse), *nearest);
     return leastError();  // nothing fits into max_bytes: its message says so
+  }
+
+  // The same plan in 16 bits where that fits and is better.
+  Result<TradePoint> finerStorage(const TradePoint& point) {
+    FusedPlan plan = point.plan;
+    plan.storage = Storage::kSnorm16;
+    if (!fits(plan)) return point;
+    const auto finer = measured(plan);
+    if (!finer) return finer.issue();
+    return finer->rmse_y < point.rmse_y ? *finer : point;
   }
 
   Goal goal_;
@@ -130,7 +156,7 @@ Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
 
 int mostTrials(const Goal& goal, int geometry_side) {
   const auto count = static_cast<int>(structures(geometry_side).size());
-  return goal.target_rmse > 0 ? count * static_cast<int>(componentSteps().size()) : count;
+  return 1 + (goal.target_rmse > 0 ? count * static_cast<int>(componentSteps().size()) : count);
 }
 
 FusedPlan smallestPlan(int geometry_side) { return withComponents(structures(geometry_side).front(), 4); }

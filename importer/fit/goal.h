@@ -18,6 +18,7 @@ struct TradePoint {
 struct Goal {
   uint64_t max_bytes = 0;  // 0: none
   double target_rmse = 0;  // of Y; 0: none
+  int levels = 0;          // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level is read, so it cannot choose them
 };
 
 struct Choice {
@@ -26,7 +27,8 @@ struct Choice {
 };
 
 // The plan with the least error within max_bytes, or with the fewest bytes at target_rmse (within max_bytes if both
-// are given). `measure` fits a plan and returns the RMSE of Y. Fails with kGoal where no plan can meet the goal, and
+// are given). 16 bits are tried last, for the best plan of 8: they halve an error of rounding that more components or texels outweigh as long as
+// there are more to have. `measure` fits a plan and returns the RMSE of Y. Fails with kGoal where no plan can meet the goal, and
 // says what the nearest plan gives.
 Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
                           const std::function<Result<double>(const FusedPlan&)>& measure);

@@ -6,6 +6,7 @@
 #include "importer/fit/eigen.h"
 #include "importer/fit/reduction.h"
 #include "importer/fit/phong.h"
+#include "material/color.h"
 
 namespace loden::importer {
 namespace {
@@ -62,6 +63,16 @@ void addBand(const DecodedBand& band, const Indirection& a, int view, int side, 
   }
 }
 
+// As the evaluator gives them: no colour below zero.
+void clampAtZero(MatrixXd (&value)[3]) {
+  for (Eigen::Index i = 0; i < value[0].size(); ++i) {
+    const glm::dvec3 rgb = rgbFromYcc(glm::dvec3(value[0].data()[i], value[1].data()[i], value[2].data()[i]));
+    if (rgb.x >= 0 && rgb.y >= 0 && rgb.z >= 0) continue;
+    const glm::dvec3 ycc = yccFromRgb(glm::max(rgb, glm::dvec3(0)));
+    for (int c = 0; c < 3; ++c) value[c].data()[i] = ycc[c];
+  }
+}
+
 struct ViewError {
   double squares[3] = {0, 0, 0}, absolute[3] = {0, 0, 0}, least[3], most[3];
 };
@@ -99,6 +110,7 @@ BtfError measureError(const Material& material, const YccBtf& btf, const Directi
       value[c] = MatrixXd::Ones(btf.texels(), 1) *
                  eigen(mean).col(c).segment(Eigen::Index(v) * btf.lights(), btf.lights()).transpose();
     for (const DecodedBand& band : bands) addBand(band, a, v, btf.side(), btf.lights(), mean, value);
+    clampAtZero(value);
     errors[size_t(v)] = errorOfView(btf, v, value);
   });
   BtfError total;

@@ -20,7 +20,7 @@ uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas);
 //  "error": {"y": {"rmse", "mse", "mae"}, "cb": ..., "cr": ...},
 //  "lookup": {"geometry_side", "atlas_texels", "atlas_directions", "bytes", "fast": {"mean_texels", "over_1_texel",
 //  "fetches"}, "default": ...} (lookup_error.h) where the material has geometry that is looked up,
-//  "trade": [{"y_components", "phis", "flat_scale", "geometry_side", "bytes", "rmse_y", "pareto"}]}; `error` may be
+//  "trade": [{"y_components", "phis", "flat_scale", "bits", "geometry_side", "bytes", "rmse_y", "pareto"}]}; `error` may be
 // null, `trade` holds what a goal measured on its way.
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
                      const BtfError* error, const std::vector<TradePoint>& trade = {});

@@ -11,6 +11,9 @@ namespace loden::importer {
 // The geometry image of a baked output, reduced to `side` by 2 x 2 means (0: as baked).
 Result<GeometryImage> geometryOf(const BakedOutput& input, int side);
 
+// Refuses more levels than a side has; 0 stands for the preset's.
+Status checkLevels(int levels, int side);
+
 // LBTF: bands in the reference domain. Preset seed as published, the others improved.
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
 // The same from data that is in memory already, without measuring.

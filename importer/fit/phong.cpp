@@ -1,11 +1,10 @@
 #include "importer/fit/phong.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/QR>
 #include <cmath>
 
 #include "importer/fit/eigen.h"
+#include "importer/fit/least_squares.h"
 
 namespace loden::importer {
 namespace {
@@ -27,34 +26,22 @@ std::vector<Sample> samplesOf(const Matrix& means, const DirectionSet& lights, c
   return samples;
 }
 
-// All samples as one residual block; parameters ka, kd, ks, ln alpha.
-class PhongResiduals : public ceres::CostFunction {
- public:
-  explicit PhongResiduals(std::span<const Sample> samples) : samples_(samples) {
-    set_num_residuals(static_cast<int>(samples.size()));
-    mutable_parameter_block_sizes()->push_back(4);
+// Eq. 5 minus the samples; parameters ka, kd, ks, ln alpha.
+bool phongResiduals(std::span<const Sample> samples, std::span<const double> q, std::span<double> residual, std::span<double> jacobian) {
+  const double alpha = std::exp(q[3]);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    const double lobe = std::pow(s.n_h, alpha);
+    residual[i] = q[0] + q[1] * s.n_l + q[2] * lobe - s.y;
+    if (jacobian.empty()) continue;
+    double* row = jacobian.data() + 4 * i;
+    row[0] = 1;
+    row[1] = s.n_l;
+    row[2] = lobe;
+    row[3] = q[2] * lobe * alpha * std::log(std::max(s.n_h, 1e-12));
   }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const double* q = parameters[0];
-    const double alpha = std::exp(q[3]);
-    for (size_t i = 0; i < samples_.size(); ++i) {
-      const Sample& s = samples_[i];
-      const double lobe = std::pow(s.n_h, alpha);
-      residuals[i] = q[0] + q[1] * s.n_l + q[2] * lobe - s.y;
-      if (jacobians && jacobians[0]) {
-        double* row = jacobians[0] + 4 * i;
-        row[0] = 1;
-        row[1] = s.n_l;
-        row[2] = lobe;
-        row[3] = q[2] * lobe * alpha * std::log(std::max(s.n_h, 1e-12));
-      }
-    }
-    return true;
-  }
-
- private:
-  std::span<const Sample> samples_;
-};
+  return true;
+}
 
 // For a given exponent eq. 5 is linear: the start of the iteration.
 Eigen::Vector3d linearStart(std::span<const Sample> samples, double alpha, bool constrained) {
@@ -79,21 +66,15 @@ Solution solveFrom(std::span<const Sample> samples, double alpha, bool constrain
   const Eigen::Vector3d start = linearStart(samples, alpha, constrained);
   std::copy(start.data(), start.data() + 3, s.q);
   s.q[3] = std::log(alpha);
-  ceres::Problem problem;
-  problem.AddResidualBlock(new PhongResiduals(samples), nullptr, s.q);
-  problem.SetParameterLowerBound(s.q, 3, 0);
-  problem.SetParameterUpperBound(s.q, 3, std::log(kMaxExponent));
-  if (constrained)
-    for (int i : {1, 2}) problem.SetParameterLowerBound(s.q, i, 0);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
-  options.max_num_iterations = 100;
-  options.num_threads = 1;
-  options.function_tolerance = 1e-10;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  s.cost = summary.final_cost;
+  LeastSquares problem;
+  problem.residuals = static_cast<int>(samples.size());
+  problem.evaluate = [&](std::span<const double> q, std::span<double> residual, std::span<double> jacobian) {
+    return phongResiduals(samples, q, residual, jacobian);
+  };
+  const double least = constrained ? 0 : -INFINITY;
+  problem.lower = {-INFINITY, least, least, 0};
+  problem.upper = {INFINITY, INFINITY, INFINITY, std::log(kMaxExponent)};
+  s.cost = minimise(problem, s.q);
   return s;
 }
 

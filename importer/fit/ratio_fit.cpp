@@ -70,24 +70,38 @@ std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chrom
   return r.data;
 }
 
-std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const Factors& luma, const Matrix& mean, const PhongMean& phong,
-                                  const Indirection& a, int threads) {
-  const ColumnBlocks whole{btf.texels(), btf.views(), btf.lights(), [&](int v, Matrix& into) {
-                             Matrix seen;
-                             a.apply(v, luma.weights, seen);
-                             const Eigen::Index first = Eigen::Index(v) * btf.lights();
-                             into = Matrix(btf.texels(), btf.lights());
-                             eigen(into).noalias() =
-                                 eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
-                             eigen(into).rowwise() += eigen(mean).col(0).segment(first, btf.lights()).transpose();
-                           }};
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a) {
+  return {btf.texels(), btf.views(), btf.lights(), [&](int v, Matrix& into) {
+            Matrix seen;
+            a.apply(v, luma.weights, seen);
+            const Eigen::Index first = Eigen::Index(v) * btf.lights();
+            if (into.rows != btf.texels() || into.cols != btf.lights()) into = Matrix(btf.texels(), btf.lights());
+            eigen(into).noalias() = eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
+            eigen(into).rowwise() += eigen(mean).col(0).segment(first, btf.lights()).transpose();
+            eigen(into) = eigen(into).cwiseMax(0.0);
+          }};
+}
+
+std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong, const Indirection& a, int threads) {
   std::vector<glm::dvec2> ratios(size_t(a.flat_texels));
   for (int c = 0; c < 2; ++c) {
     const double start = phong.chroma == MeanChroma::kRatio ? double(c == 0 ? phong.cb : phong.cr) : 0.0;
-    const std::vector<double> r = fitRatio(whole, channelBlocks(btf, c + 1), a, start, threads);
+    const std::vector<double> r = fitRatio(luma, channelBlocks(btf, c + 1), a, start, threads);
     for (size_t t = 0; t < r.size(); ++t) ratios[t][c] = r[t];
   }
   return ratios;
+}
+
+ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma, const std::vector<glm::dvec2>& ratios, const Indirection& a) {
+  Matrix ratio(a.flat_texels, 1);
+  for (int t = 0; t < ratio.rows; ++t) ratio(t, 0) = ratios[size_t(t)][channel - 1];
+  return {btf.texels(), btf.views(), btf.lights(), [&btf, &a, channel, luma, ratio = std::move(ratio)](int v, Matrix& into) {
+            Matrix whole, seen;
+            luma.read(v, whole);
+            a.apply(v, ratio, seen);
+            btf.read(channel, v, into);
+            eigen(into) -= eigen(seen).col(0).asDiagonal() * eigen(whole);
+          }};
 }
 
 }  // namespace loden::importer

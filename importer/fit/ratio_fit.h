@@ -15,8 +15,13 @@ namespace loden::importer {
 std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a, double start,
                              int threads);
 
-// (Cb/Y, Cr/Y) per flat texel for the luma `mean` + (A_v weights) basis^T; `mean` as sampleMean gives it.
-std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const Factors& luma, const Matrix& mean, const PhongMean& phong,
-                                  const Indirection& a, int threads);
+// The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` as sampleMean gives it. All must outlive it.
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a);
+
+// (Cb/Y, Cr/Y) per flat texel for the luma that the asset gives.
+std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong, const Indirection& a, int threads);
+
+// What the ratios leave of channel 1 (Cb) or 2 (Cr). All must outlive it.
+ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma, const std::vector<glm::dvec2>& ratios, const Indirection& a);
 
 }  // namespace loden::importer

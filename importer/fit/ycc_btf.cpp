@@ -14,13 +14,24 @@
 
 namespace loden::importer {
 
-YccBtf::YccBtf(int side, int lights, int views) : side_(side), lights_(lights), views_(views) {
-  const size_t values = size_t(3) * size_t(views) * size_t(lights) * size_t(texels());
-  if (values * sizeof(float) <= kFloatLimit)
+namespace {
+
+size_t valuesOf(int side, int lights, int views) { return size_t(3) * size_t(views) * size_t(lights) * size_t(side) * size_t(side); }
+
+}  // namespace
+
+YccBtf::YccBtf(int side, int lights, int views)
+    : YccBtf(side, lights, views, valuesOf(side, lights, views) * sizeof(float) <= kFloatLimit ? Store::kFloat : Store::kHalf) {}
+
+YccBtf::YccBtf(int side, int lights, int views, Store store) : side_(side), lights_(lights), views_(views) {
+  const size_t values = valuesOf(side, lights, views);
+  if (store == Store::kFloat)
     floats_.resize(values);
   else
     halves_.resize(values);
 }
+
+YccBtf YccBtf::halved() const { return {side_ / 2, lights_, views_, halves_.empty() ? Store::kFloat : Store::kHalf}; }
 
 float YccBtf::largest() const { return halves_.empty() ? std::numeric_limits<float>::max() : 65504.0f; }
 
@@ -170,7 +181,7 @@ Matrix downsample(const Matrix& fine, int side, BoxFilter filter) {
 }
 
 YccBtf downsample(const YccBtf& fine, BoxFilter filter, int threads) {
-  YccBtf coarse(fine.side() / 2, fine.lights(), fine.views());
+  YccBtf coarse = fine.halved();
   parallelFor(fine.views(), threads, [&](int v) {
     Matrix block;
     for (int channel = 0; channel < 3; ++channel) {

@@ -15,6 +15,8 @@ namespace loden::importer {
 class YccBtf {
  public:
   YccBtf(int side, int lights, int views);
+  // An empty one of half the side, stored as this one is.
+  YccBtf halved() const;
 
   int side() const { return side_; }
   int texels() const { return side_ * side_; }
@@ -31,6 +33,8 @@ class YccBtf {
   static constexpr size_t kFloatLimit = size_t(1) << 30;  // bytes
 
  private:
+  enum class Store { kFloat, kHalf };
+  YccBtf(int side, int lights, int views, Store store);
   size_t offset(int channel, int view) const;
   int side_, lights_, views_;
   std::vector<float> floats_;

@@ -79,8 +79,10 @@ TEST(Cli, BadValues_AreUsage) {
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--components", "4,2,0"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "surface", "--levels", "3"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "surface", "--components", "4,0,0"},
-      {"cook", sharedBake(), "-o", out + ".loden", "--levels", "3"},
-      {"cook", sharedBake(), "-o", out + ".loden", "--components", "4,2,2"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--components", "8,2,4"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--levels", "12"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--components", "4,2,4"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--components", "0,2,2", "--max-bytes", "600k"},
       {"cook", sharedBake(), "-o", out + ".loden", "--preset", "seed"},
       {"cook", sharedBake(), "-o", out + ".loden", "--components", "4,0,0", "--max-bytes", "600k"},
   };

@@ -160,7 +160,7 @@ TEST(FlatFit, OneComponentGivesBackAPictureUnderParallax) {
 
   const PhongMean none;
   const Matrix mean(6561, 3);
-  const auto ratios = fitRatios(*btf, fit.factors, mean, none, a, 0);
+  const auto ratios = fitRatios(*btf, wholeLuma(*btf, fit.factors, mean, a), none, a, 0);
   const glm::dvec3 ycc = yccFromRgb(glm::dvec3(0.9, 0.7, 0.4));
   for (const glm::dvec2& r : ratios) {
     EXPECT_NEAR(r.x, ycc.y / ycc.x, 2e-3);

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
+#include "importer/fit/coarse_fit.h"
 #include "importer/fit/goal.h"
+#include "importer/fit/grid_table.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "material/evaluate.h"
@@ -38,6 +42,12 @@ FusedPlan smallPlan() {
   return plan;
 }
 
+// The coarse band may take fewer columns than the plan allows.
+FusedPlan asFitted(FusedPlan plan, const Material& material) {
+  plan.coarse_phis = tableGrid(material.bands.back(), material.theta_max).phis;
+  return plan;
+}
+
 TEST(Fused, BeatsThePlaneOnParallax) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);
@@ -48,7 +58,7 @@ TEST(Fused, BeatsThePlaneOnParallax) {
   const double plane = measureError(*lod, *btf, source.lights(), source.views(), {}, 0).channel[0].rmse();
   EXPECT_LT(fused.error.channel[0].rmse(), 0.01);
   EXPECT_GT(plane, 4 * fused.error.channel[0].rmse());
-  EXPECT_EQ(rawFileBytes(fused.material), fusedBytes(smallPlan(), kSide, 32));
+  EXPECT_EQ(rawFileBytes(fused.material), fusedBytes(asFitted(smallPlan(), fused.material), kSide, 32));
 }
 
 TEST(Fused, SameBytesAtAnyThreadCount) {
@@ -85,9 +95,77 @@ TEST(Fused, ContinuousInLambdaDownToTheAverage) {
   }
 }
 
-// An error that falls with components and with the finer structures.
+TEST(Fused, LevelsKeepTheFinest) {
+  const SyntheticSource source = sunkenPicture();
+  const auto btf = loadYcc(source, 0);
+  FusedPlan plan = smallPlan();
+  const FusedFit all = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  plan.levels = 3;
+  const FusedFit three = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  ASSERT_EQ(three.material.bands.size(), 2u);
+  EXPECT_EQ(three.material.lambda_max, 2);
+  EXPECT_EQ(rawFileBytes(three.material), fusedBytes(asFitted(plan, three.material), kSide, 32));
+  EXPECT_LT(rawFileBytes(three.material), rawFileBytes(all.material));
+  plan.levels = 1;
+  const FusedFit one = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  ASSERT_EQ(one.material.bands.size(), 1u);
+  EXPECT_EQ(rawFileBytes(one.material), fusedBytes(plan, kSide, 32));
+  EXPECT_EQ(one.error.channel[0].mse, all.error.channel[0].mse);  // at lambda 0 nothing is missing
+  // Up to the last level kept the values are those of all levels; beyond it, that level's.
+  const Evaluator whole(all.material), kept(three.material), alone(one.material);
+  const glm::dvec3 wi = source.lights().samples[30], wo = source.views().samples[50];
+  const auto at = [&](const Evaluator& e, double lambda) { return e.evaluate(e.findHit(glm::dvec2(0.23, 0.71), lambda, wo), wi, wo).x; };
+  for (const double lambda : {0.0, 1.0, 1.5, 2.0}) EXPECT_EQ(at(kept, lambda), at(whole, lambda)) << lambda;
+  EXPECT_EQ(at(kept, 4.0), at(kept, 2.0));
+  EXPECT_EQ(at(alone, 3.0), at(alone, 0.0));
+  EXPECT_NE(at(whole, 3.0), at(whole, 0.0));
+}
+
+TEST(Fused, SixteenBitsRoundLess) {
+  const SyntheticSource source = sunkenPicture();
+  const auto btf = loadYcc(source, 0);
+  FusedPlan plan = smallPlan();
+  plan.phis = 25;  // tables solved directly: nothing but rounding differs
+  const FusedFit eight = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  plan.storage = Storage::kSnorm16;
+  const FusedFit sixteen = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  EXPECT_EQ(rawFileBytes(sixteen.material), fusedBytes(asFitted(plan, sixteen.material), kSide, 32));
+  EXPECT_LT(sixteen.error.channel[0].mse, eight.error.channel[0].mse);
+}
+
+// A highlight as white as the light over a coloured picture: chroma is no multiple of luma.
+TEST(Fused, ChromaComponentsCatchWhiteHighlights) {
+  const SyntheticSource source(kSide, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
+    const double lobe = std::pow(glm::normalize(wi + wo).z, 20);
+    return glm::dvec3(0.9, 0.4, 0.1) * wave(x - kDepth * glm::dvec2(wo) / wo.z) * wi.z + glm::dvec3(0.5 * lobe);
+  });
+  const auto btf = loadYcc(source, 0);
+  FusedPlan plan = smallPlan();
+  const FusedFit ratio = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  plan.chroma_components = 2;
+  const FusedFit both = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  EXPECT_EQ(rawFileBytes(both.material), fusedBytes(asFitted(plan, both.material), kSide, 32));
+  for (const int c : {1, 2}) EXPECT_LT(both.error.channel[c].rmse(), 0.5 * ratio.error.channel[c].rmse());
+}
+
+// A table made on 17 columns is exact there and on no other number.
+TEST(AverageGrid, TakesTheColumnsThatGiveTheAverage) {
+  const DirectionSet set = bonn81Directions();
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const int columns : {16, 17, 18}) {
+    const DirectionGrid grid = gridFor(set, 6, columns);
+    Matrix table(gridDof(grid) * gridDof(grid), 1), means(81 * 81, 3);
+    for (double& value : table.data) value = uniform(random);
+    const Matrix at_samples = mapTables(table, gridSampling(grid, set), gridSampling(grid, set));
+    std::copy(at_samples.data.begin(), at_samples.data.end(), means.data.begin());
+    EXPECT_EQ(averageGrid(means, Matrix(81 * 81, 3), set, set, 18).phis, columns);
+  }
+}
+
+// An error that falls with components and with the finer structures, and least with storage.
 Result<double> pretended(const FusedPlan& plan) {
-  return 0.3 / (4 + plan.y_components) + 0.005 / plan.flat_scale + 0.001 * (25 - plan.phis) / 12.0;
+  return 0.3 / (4 + plan.y_components) + 0.005 / plan.flat_scale + 0.001 * (25 - plan.phis) / 12.0 + (plan.storage == Storage::kSnorm8 ? 1e-4 : 0);
 }
 
 TEST(Goal, LeastErrorStaysWithinTheBytes) {
@@ -107,6 +185,36 @@ TEST(Goal, TargetIsMetByTheCheapestMeasured) {
   const uint64_t bytes = fusedBytes(choice->plan, 64, choice->plan.geometry_side);
   for (const TradePoint& p : choice->measured)
     EXPECT_TRUE(p.rmse_y > 0.02 || p.bytes >= bytes) << p.bytes;
+}
+
+TEST(Goal, SixteenBitsComeLast) {
+  const auto sixteen = [](const Choice& choice) {
+    return std::count_if(choice.measured.begin(), choice.measured.end(), [](const TradePoint& p) { return p.plan.storage == Storage::kSnorm16; });
+  };
+  // Where bytes are short they go into components; where there are enough for everything, into storage.
+  const auto tight = choosePlan({600000, 0}, 64, 128, pretended), ample = choosePlan({1 << 30, 0}, 64, 128, pretended);
+  ASSERT_TRUE(tight.ok() && ample.ok());
+  EXPECT_EQ(sixteen(*tight), 0);
+  EXPECT_EQ(sixteen(*ample), 1);
+  EXPECT_EQ(ample->plan.storage, Storage::kSnorm16);
+  // A target that only 16 bits reach; and one that 8 bits reach.
+  const double lavish = *pretended(ample->plan);
+  const auto hard = choosePlan({0, lavish + 5e-5}, 64, 128, pretended), easy = choosePlan({0, lavish + 2e-4}, 64, 128, pretended);
+  ASSERT_TRUE(hard.ok() && easy.ok());
+  EXPECT_EQ(hard->plan.storage, Storage::kSnorm16);
+  EXPECT_EQ(easy->plan.storage, Storage::kSnorm8);
+  EXPECT_EQ(sixteen(*easy), 0);
+}
+
+TEST(Goal, HoldsWithTheLevelsAskedFor) {
+  for (const int levels : {0, 1, 3}) {
+    const auto choice = choosePlan({300000, 0, levels}, 64, 128, pretended);
+    ASSERT_TRUE(choice.ok());
+    EXPECT_EQ(choice->plan.levels, levels);
+    EXPECT_LE(fusedBytes(choice->plan, 64, choice->plan.geometry_side), 300000u);
+  }
+  // Without the coarse band there is room for a better plan.
+  EXPECT_LT(*pretended(choosePlan({300000, 0, 1}, 64, 128, pretended)->plan), *pretended(choosePlan({300000, 0, 0}, 64, 128, pretended)->plan));
 }
 
 TEST(Goal, SaysWhatCannotBeMet) {

@@ -24,6 +24,7 @@ class SyntheticSource : public BtfSource {
         out.push_back(value_(glm::dvec2(t % side_ + 0.5, t / side_ + 0.5) / double(side_), wi, set_.samples[size_t(view)]));
     return out;
   }
+  glm::dvec3 valueAt(glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) const { return value_(x, wi, wo); }
 
  private:
   std::string name_ = "synthetic";

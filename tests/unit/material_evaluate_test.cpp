@@ -100,6 +100,17 @@ TEST(Evaluator, LightFadesToZeroAtTheHorizon) {
     EXPECT_NEAR(glm::length(at(theta)), glm::length(at(theta_max)) * std::cos(theta) / std::cos(theta_max), 1e-6);
 }
 
+// Fits undershoot black; light is not negative.
+TEST(Evaluator, UndershootIsBlack) {
+  Material m;
+  m.mode = Mode::kLod;
+  m.mean = {-0.2f, 0.5f, 0, 1, 0, 0, MeanChroma::kConstant};
+  const Evaluator evaluator(m);
+  const glm::dvec3 low = directionFromSpherical({1.4, 0}), up(0, 0, 1);  // N.L = .17
+  EXPECT_EQ(evaluator.evaluate(evaluator.findHit(glm::dvec2(0), 0.0, up), low, up), glm::dvec3(0));
+  EXPECT_NEAR(evaluator.evaluate(evaluator.findHit(glm::dvec2(0), 0.0, up), up, up).x, 0.3, 1e-6);
+}
+
 TEST(Evaluator, ParallaxFadesWithTheTexelsThatItCrosses) {
   Material material = test::fusedMaterial();
   material.geometry.identity_parameterization = true;

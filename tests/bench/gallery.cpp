@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
 #include <glm/gtc/constants.hpp>
 
 #include "importer/cook.h"
@@ -67,6 +69,13 @@ Light sunFrom(const glm::vec3& to_light) {
   return sun;
 }
 
+// Of this thread alone: other work on the machine does not count.
+double threadMilliseconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * double(time.tv_sec) + 1e-6 * double(time.tv_nsec);
+}
+
 }  // namespace
 
 std::vector<Material> galleryMaterials(const std::filesystem::path& folder) {
@@ -122,11 +131,14 @@ Scene planeScene(const Material& material, int count) {
   return scene;
 }
 
-void Stage::frame(const View& view, float seconds, const RenderTarget& target) const {
+double Stage::frame(const View& view, float seconds, const RenderTarget& target) const {
   renderer->prepare(view, {});
+  const double start = threadMilliseconds();
   materials->update(seconds);
+  const double spent = threadMilliseconds() - start;
   if (Status status = renderer->draw({target.framebuffer.name(), target.size}); !status) fail(status.issue());
   renderer->finish();
+  return spent;
 }
 
 Stage makeStage(const Device& device, const Scene& scene, const MaterialSystemOptions& options,

@@ -36,7 +36,8 @@ struct Stage {
   std::shared_ptr<runtime::ShaderLibrary> shaders;
   std::unique_ptr<runtime::FrameRenderer> renderer;
 
-  void frame(const runtime::View& view, float seconds, const runtime::RenderTarget& target) const;
+  // Returns the milliseconds of CPU time that MaterialSystem::update took on this thread.
+  double frame(const runtime::View& view, float seconds, const runtime::RenderTarget& target) const;
 };
 // With shaders of its own, or those of another stage.
 Stage makeStage(const runtime::Device& device, const runtime::Scene& scene, const runtime::MaterialSystemOptions& options,

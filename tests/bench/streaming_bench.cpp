@@ -40,7 +40,13 @@ double quantile(std::vector<double> values, double q) {
   std::sort(values.begin(), values.end());
   return values[size_t(q * double(values.size() - 1))];
 }
-double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+std::vector<double> negated(std::vector<double> values) {
+  for (double& value : values) value = -value;
+  return values;
+}
+double median(const std::vector<double>& values) {
+  return 0.5 * (quantile(values, 0.5) - quantile(negated(values), 0.5));  // of an even number the middle of the two
+}
 
 // --- the walk --------------------------------------------------------------------------------------------------
 
@@ -106,8 +112,11 @@ void reportWalk(const Device& device, const Scene& scene, const Path& path, uint
   const RenderTarget target = makeRenderTarget({16, 9}, ColorFormat::kSrgb8, "walk");  // what is drawn does not count here
   const uint64_t headers = stage.materials->stats().read_bytes;
   Walk walk;
+  std::vector<double> update_ms;
   for (int frame = 0; frame < path.frames; ++frame) {
-    timedFrame(stage, path, frame, target);
+    const auto start = Clock::now();
+    update_ms.push_back(stage.frame(path.view(frame), kSeconds, target));
+    std::this_thread::sleep_until(start + std::chrono::microseconds(16667));
     countFrame(walk, stage, frame, options.budget_bytes, headers);
   }
   uint64_t needed = 0;
@@ -115,20 +124,21 @@ void reportWalk(const Device& device, const Scene& scene, const Path& path, uint
     if (const auto it = walk.finest.find(asset.name); it != walk.finest.end()) needed += neededBytes(asset, it->second);
   const MaterialStats& s = stage.materials->stats();
   const uint64_t read = s.read_bytes - headers;
-  std::printf("%6llu %8.1f %8.1f %7.1f%% %6d %8.1f %8.1f %7.2f %8d %8d %9.2f\n", static_cast<unsigned long long>(megabytes),
+  std::printf("%6llu %8.1f %8.1f %7.1f%% %6d %8.1f %8.1f %7.2f %8d %8d %9.2f %8.3f %8.3f\n", static_cast<unsigned long long>(megabytes),
               double(s.total_bytes) * kMib, double(s.peak_bytes) * kMib, 100.0 * double(s.peak_bytes) / double(s.total_bytes),
               walk.frames_over_budget, double(read) * kMib, double(needed) * kMib, double(read) / double(needed),
-              walk.arrived_frames, walk.first_frames, double(walk.first_bytes) * kMib);
+              walk.arrived_frames, walk.first_frames, double(walk.first_bytes) * kMib, quantile(update_ms, 0.5), quantile(update_ms, 0.99));
 }
 
 void reportWalks(const Device& device, const std::vector<Material>& materials) {
   const Path path{180, 1500, kMaterials - 1, {640, 360}};
   const Scene scene = galleryScene(materials, kMaterials, path.size.y);
   std::printf("# walk: %d materials, %d frames at 60 Hz, for pictures of %d x %d; MiB. needed: what the finest lambda ever asked\n"
-              "# for needs. Frames until all that is wanted first has arrived, and until all in view is shown within a level\n",
+              "# for needs. Frames until all that is wanted first has arrived, and until all in view is shown within a level. CPU ms of\n"
+              "# update() on the drawing thread, median and 99th percentile\n",
               kMaterials, path.frames, path.size.x, path.size.y);
-  std::printf("%6s %8s %8s %8s %6s %8s %8s %7s %8s %8s %9s\n", "budget", "total", "peak", "share", "over", "read", "needed",
-              "ratio", "arrived", "first", "first MiB");
+  std::printf("%6s %8s %8s %8s %6s %8s %8s %7s %8s %8s %9s %8s %8s\n", "budget", "total", "peak", "share", "over", "read", "needed",
+              "ratio", "arrived", "first", "first MiB", "update50", "update99");
   for (const uint64_t megabytes : {2, 8, 32}) reportWalk(device, scene, path, megabytes);
 }
 

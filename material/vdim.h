@@ -35,6 +35,7 @@ struct PaperVdim {
 struct VdimAtlasSize {
   int texels = 28;
   int directions = 20;
+  friend bool operator==(VdimAtlasSize, VdimAtlasSize) = default;
 };
 
 // All that a lookup reads.
@@ -59,7 +60,9 @@ glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo);
 glm::dvec3 vdimViewFromSquare(glm::dvec2 square);
 
 // Built with `threads` threads (0: all); the result does not depend on their number.
-VdimAtlas buildVdimAtlas(const GeometryImage& image, const GeometryTracer& tracer, VdimAtlasSize size, int threads = 0);
+VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads = 0);
+// VdimAtlas::depth alone.
+Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads = 0);
 
 // How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial). Lengths
 // are tile lengths: one tile period where texture coordinates are not stretched.

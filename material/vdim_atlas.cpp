@@ -1,6 +1,7 @@
 // Building the atlas from the geometry image, and the direction grid that it is sampled on.
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <thread>
@@ -32,57 +33,195 @@ void parallelFor(int count, int threads, const Body& body) {
   work();
 }
 
-void traceLayer(const GeometryTracer& tracer, const VdimAtlasSize& size, double z_min, int layer, Texture& depth) {
+// The patches of a geometry image, seen from one direction after the other.
+//
+// Seen along the view ray with slope s = wo.xy / wo.z, the point P lies at P.xy - s P.z on the reference plane, and the
+// first hit of the ray through x is the highest point that lies at x: a depth buffer. Most patches are smaller than
+// what is between two samples, and cover none.
+class ShearedPatches {
+ public:
+  explicit ShearedPatches(const GeometryImage& image) {
+    for (int j = 0; j < image.side(); ++j)
+      for (int i = 0; i < image.side(); ++i) {
+        const Patch<double> patch = fetchPatch<double>(image, i, j);
+        if (patch.chart != 0) add({patch.p00, patch.p10, patch.p11, patch.p01});
+      }
+    // Whole blocks, so that the loops over them have a constant length, which the compiler vectorizes.
+    while (count() % kBlock != 0) add({});
+  }
+
+  // Highest z at the side^2 texel centres, and `lowest` where nothing is.
+  void highest(const glm::dvec2& slope, int side, double lowest, std::vector<double>& z) const {
+    z.assign(size_t(side) * size_t(side), lowest);
+    Spans columns, rows;
+    for (size_t begin = 0; begin < count(); begin += kBlock) {
+      findSpans(corners_[0], begin, float(slope.x), float(side), columns);
+      findSpans(corners_[1], begin, float(slope.y), float(side), rows);
+      for (size_t k = 0; k < kBlock; ++k) {
+        if (columns.begin[k] >= columns.end[k] || rows.begin[k] >= rows.end[k]) continue;
+        const Samples samples{{columns.begin[k], rows.begin[k]}, {columns.end[k], rows.end[k]}, side, 1.0 / side};
+        const std::array<glm::dvec3, 4> p = sheared(begin + k, slope);
+        drawTriangle(p[0], p[1], p[2], samples, z);
+        drawTriangle(p[0], p[2], p[3], samples, z);
+      }
+    }
+  }
+
+ private:
+  static constexpr size_t kBlock = 64;
+  using Corners = std::array<std::vector<float>, 4>;  // around the patch
+  struct Spans {
+    std::array<int, kBlock> begin, end;  // of samples
+  };
+  struct Samples {
+    glm::ivec2 begin, end;
+    int side;
+    double spacing;  // 1 / side
+  };
+
+  size_t count() const { return corners_[0][0].size(); }
+
+  // Neighbouring texels half a period apart are a tear in a damaged image, not surface.
+  void add(const std::array<glm::dvec3, 4>& corners) {
+    constexpr double kTear = 0.5;
+    for (const glm::dvec3& corner : corners) {
+      const glm::dvec2 edge = glm::abs(glm::dvec2(corner - corners[0]));
+      if (std::max(edge.x, edge.y) >= kTear) return;
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      for (size_t c = 0; c < 4; ++c) corners_[size_t(axis)][c].push_back(float(corners[c][axis]));
+  }
+
+  // Of the samples (i + .5) / n between the least and the largest place of four corners along one axis; rather one
+  // too many than one too few.
+  void findSpans(const Corners& at, size_t begin, float slope, float n, Spans& spans) const {
+    constexpr float kMargin = 2e-3f, kPositive = 4096;  // samples; the conversion rounds towards 0
+    const float *a = &at[0][begin], *b = &at[1][begin], *c = &at[2][begin], *d = &at[3][begin];
+    const Corners& z = corners_[2];
+    const float *az = &z[0][begin], *bz = &z[1][begin], *cz = &z[2][begin], *dz = &z[3][begin];
+    for (size_t k = 0; k < kBlock; ++k) {
+      const float pa = a[k] - slope * az[k], pb = b[k] - slope * bz[k], pc = c[k] - slope * cz[k], pd = d[k] - slope * dz[k];
+      const float low = std::min(std::min(pa, pb), std::min(pc, pd)), high = std::max(std::max(pa, pb), std::max(pc, pd));
+      spans.begin[k] = static_cast<int>(low * n + (kPositive + 0.5f - kMargin)) - static_cast<int>(kPositive);
+      spans.end[k] = static_cast<int>(high * n + (kPositive + 0.5f + kMargin)) - static_cast<int>(kPositive);
+    }
+  }
+
+  std::array<glm::dvec3, 4> sheared(size_t patch, const glm::dvec2& slope) const {
+    std::array<glm::dvec3, 4> p;
+    for (size_t c = 0; c < 4; ++c) {
+      const double z = corners_[2][c][patch];
+      p[c] = {corners_[0][c][patch] - slope.x * z, corners_[1][c][patch] - slope.y * z, z};
+    }
+    return p;
+  }
+
+  static void drawTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Samples& samples,
+                           std::vector<double>& z) {
+    constexpr double kSeam = 1e-9;
+    const glm::dvec3 ab = b - a, ac = c - a;
+    const double det = ab.x * ac.y - ab.y * ac.x;
+    if (std::abs(det) < 1e-18) return;
+    // Barycentric coordinates of b and c, linear in the sample's place.
+    const glm::dvec2 du = glm::dvec2(ac.y, -ac.x) / det, dv = glm::dvec2(-ab.y, ab.x) / det;
+    for (int j = samples.begin.y; j < samples.end.y; ++j)
+      for (int i = samples.begin.x; i < samples.end.x; ++i) {
+        const glm::dvec2 d = (glm::dvec2(i, j) + 0.5) * samples.spacing - glm::dvec2(a);
+        const double u = glm::dot(du, d), v = glm::dot(dv, d);
+        if (std::min(std::min(u, v), 1 - u - v) < -kSeam) continue;
+        double& highest = z[size_t(wrap(j, samples.side) * samples.side + wrap(i, samples.side))];
+        highest = std::max(highest, a.z + u * ab.z + v * ac.z);
+      }
+  }
+  static int wrap(int i, int n) { return (i % n + n) % n; }
+
+  std::array<Corners, 3> corners_;  // x, y, z
+};
+
+void drawLayer(const ShearedPatches& patches, const VdimAtlasSize& size, double z_min, int layer, Texture& depth) {
   const glm::dvec2 square((layer % size.directions + 0.5) / size.directions,
                           (layer / size.directions + 0.5) / size.directions);
   const glm::dvec3 wo = vdimViewFromSquare(square);
-  const size_t texels = static_cast<size_t>(size.texels) * size.texels;
-  auto* codes = reinterpret_cast<uint8_t*>(depth.data.data()) + layer * texels;
-  for (size_t k = 0; k < texels; ++k) {
-    const glm::dvec2 x((k % size.texels + 0.5) / size.texels, (k / size.texels + 0.5) / size.texels);
-    const auto hit = tracer.traceView(x, wo);
-    const double z = hit ? hit->position.z : z_min;
-    codes[k] = static_cast<uint8_t>(std::lround(255 * std::clamp(1 - z / z_min, 0.0, 1.0)));
-  }
+  std::vector<double> z;
+  patches.highest(glm::dvec2(wo) / wo.z, size.texels, z_min, z);
+  auto* codes = reinterpret_cast<uint8_t*>(depth.data.data()) + size_t(layer) * z.size();
+  for (size_t k = 0; k < z.size(); ++k)
+    codes[k] = static_cast<uint8_t>(std::lround(255 * std::clamp(1 - z[k] / z_min, 0.0, 1.0)));
 }
 
-// p - X.xy of the surface point nearest to the voxel's centre, into [-.5, .5].
-glm::dvec2 nearestDisplacement(const std::vector<glm::dvec3>& points, const std::vector<glm::dvec2>& params,
-                               const glm::dvec3& centre) {
-  double best = 1e30;
-  size_t found = 0;
-  for (size_t k = 0; k < points.size(); ++k) {
-    glm::dvec3 d = points[k] - centre;
-    d.x -= std::nearbyint(d.x);
-    d.y -= std::nearbyint(d.y);
-    const double distance = glm::dot(d, d);
-    if (distance < best) best = distance, found = k;
+// Surface points in columns over one period, to find the one nearest to a place.
+class PointColumns {
+ public:
+  explicit PointColumns(const GeometryImage& image) : columns_(size_t(kSide) * kSide) {
+    const int n = image.side();
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Patch<double> patch = fetchPatch<double>(image, i, j);
+        if (patch.chart == 0) continue;
+        const glm::dvec3 at = 0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11);
+        columns_[column(cell(at.x), cell(at.y))].push_back({at, glm::dvec2((i + 1.0) / n, (j + 1.0) / n)});
+        empty_ = false;
+      }
   }
-  glm::dvec2 displacement = params[found] - glm::dvec2(points[found]);
-  return displacement - glm::dvec2(std::nearbyint(displacement.x), std::nearbyint(displacement.y));
-}
+  bool empty() const { return empty_; }
+
+  // p - X.xy of the nearest point, into [-.5, .5]. Rings of columns around the place, until the next is farther away
+  // than what was found.
+  glm::dvec2 nearestDisplacement(const glm::dvec3& place) const {
+    Nearest best;
+    for (int ring = 0; ring <= kSide / 2; ++ring) {
+      const double beyond = std::max(ring - 1, 0) / double(kSide);
+      if (best.point && beyond * beyond > best.distance) break;
+      for (int y = -ring; y <= ring; ++y) {
+        const int step = std::abs(y) == ring ? 1 : std::max(2 * ring, 1);  // the ring's border alone
+        for (int x = -ring; x <= ring; x += step) search(cell(place.x) + x, cell(place.y) + y, place, best);
+      }
+    }
+    const glm::dvec2 displacement = best.point->p - glm::dvec2(best.point->position);
+    return displacement - glm::dvec2(std::nearbyint(displacement.x), std::nearbyint(displacement.y));
+  }
+
+ private:
+  static constexpr int kSide = 32;
+  struct Point {
+    glm::dvec3 position;
+    glm::dvec2 p;
+  };
+  struct Nearest {
+    const Point* point = nullptr;
+    double distance = 1e30;  // squared
+  };
+  static int cell(double at) { return static_cast<int>(std::floor(at * kSide)); }
+  static size_t column(int x, int y) { return size_t(y & (kSide - 1)) * kSide + size_t(x & (kSide - 1)); }
+
+  // Of points at one distance the lower p wins, so that the order of the search does not matter.
+  void search(int x, int y, const glm::dvec3& place, Nearest& best) const {
+    for (const Point& point : columns_[column(x, y)]) {
+      glm::dvec3 d = point.position - place;
+      d.x -= std::nearbyint(d.x);
+      d.y -= std::nearbyint(d.y);
+      const double distance = glm::dot(d, d);
+      const bool first = !best.point || point.p.y < best.point->p.y ||
+                         (point.p.y == best.point->p.y && point.p.x < best.point->p.x);
+      if (distance < best.distance || (distance == best.distance && first)) best = {&point, distance};
+    }
+  }
+
+  std::vector<std::vector<Point>> columns_;
+  bool empty_ = true;
+};
 
 Texture buildVolume(const GeometryImage& image, int threads) {
-  std::vector<glm::dvec3> points;
-  std::vector<glm::dvec2> params;
-  const int n = image.side();
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const Patch<double> patch = fetchPatch<double>(image, i, j);
-      if (patch.chart == 0) continue;
-      points.push_back(0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11));
-      params.emplace_back((i + 1.0) / n, (j + 1.0) / n);
-    }
   Texture volume =
       Texture::make(TexelFormat::kRG16Snorm, TextureShape::kVolume, kVolumeSide, kVolumeSide, kVolumeDepth);
+  const PointColumns points(image);
   if (points.empty()) return volume;
   parallelFor(kVolumeDepth * kVolumeSide, threads, [&](int row) {
     const int y = row % kVolumeSide, z = row / kVolumeSide;
     for (int x = 0; x < kVolumeSide; ++x) {
       const glm::dvec3 centre((x + 0.5) / kVolumeSide, (y + 0.5) / kVolumeSide,
                               (z + 0.5) / kVolumeDepth * image.zMin());
-      const glm::dvec2 d = nearestDisplacement(points, params, centre);
-      storeTexel(volume, 0, x, y, z, glm::vec4(2.0f * glm::vec2(d), 0, 0));
+      storeTexel(volume, 0, x, y, z, glm::vec4(2.0f * glm::vec2(points.nearestDisplacement(centre)), 0, 0));
     }
   });
   return volume;
@@ -119,16 +258,22 @@ glm::dvec3 vdimViewFromSquare(glm::dvec2 square) {
   return {disk * (sine / radius), std::sqrt(1 - sine * sine)};
 }
 
-VdimAtlas buildVdimAtlas(const GeometryImage& image, const GeometryTracer& tracer, VdimAtlasSize size, int threads) {
+Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads) {
   LODEN_CHECK_LT(0, size.texels);
   LODEN_CHECK_LT(0, size.directions);
+  const int layers = size.directions * size.directions;
+  Texture depth = Texture::make(TexelFormat::kR8Unorm, TextureShape::kArray2D, size.texels, size.texels, layers);
+  const ShearedPatches patches(image);
+  const double z_min = -packedRange(image).z;
+  parallelFor(layers, threads, [&](int layer) { drawLayer(patches, size, z_min, layer, depth); });
+  return depth;
+}
+
+VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads) {
   VdimAtlas atlas;
   atlas.size = size;
   atlas.geometry = packGeometry(image);
-  const int layers = size.directions * size.directions;
-  atlas.depth = Texture::make(TexelFormat::kR8Unorm, TextureShape::kArray2D, size.texels, size.texels, layers);
-  parallelFor(layers, threads,
-              [&](int layer) { traceLayer(tracer, atlas.size, -atlas.geometry.range.z, layer, atlas.depth); });
+  atlas.depth = buildVdimDepth(image, size, threads);
   if (!image.identity_parameterization) atlas.volume = buildVolume(image, threads);
   return atlas;
 }

@@ -84,7 +84,7 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup)
   return variant;
 }
 
-LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
+LodenMaterialData makeMaterialData(const Material& m) {
   LodenMaterialData data{};
   int bits = 0;
   if (m.mean.chroma == MeanChroma::kRatio) bits |= LODEN_MEAN_RATIO;
@@ -92,9 +92,9 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   if (m.geometry.identity_parameterization) bits |= LODEN_IDENTITY;
   if (m.mode == Mode::kLod) bits |= LODEN_CLAMP_LAMBDA;
   if (m.surface && m.surface->specular_scale > kLeastSpecular) bits |= LODEN_SPECULAR;
-  data.flags = {bits, int(m.bands.size()), atlas.texels, atlas.directions};
+  data.flags = {bits, int(m.bands.size()), 0, 0};
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
-  data.mean_chroma = {m.mean.cb, m.mean.cr, m.lambda_min, 1};
+  data.mean_chroma = {m.mean.cb, m.mean.cr, 0, 0};
   data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
   data.geometry = {packedRange(m.geometry), m.geometry.side()};
   data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
@@ -109,12 +109,20 @@ LodenMaterialData makeMaterialData(const Material& m, VdimAtlasSize atlas) {
   return data;
 }
 
+float coarsestFade(const Material& material) { return material.mode == Mode::kSurface ? 2 : 1; }
+
+float coarsestShare(const Material& material, const ResidentState& state) {
+  return glm::clamp((material.lambda_max - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);
+}
+
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state) {
   data.mean_chroma.z = std::max(std::min(state.lambda, material.lambda_max), material.lambda_min);
-  data.mean_chroma.w = state.geometry ? 1 : 0;
+  data.mean_chroma.w = state.atlas.texels > 0 ? 1 : 0;
+  data.flags.z = state.atlas.texels;
+  data.flags.w = state.atlas.directions;
   // A band that is needed at every lambda has no window to come in by: its weight follows the published
   // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
-  const float share = glm::clamp(material.lambda_max + 1 - state.lambda, 0.0f, 1.0f);
+  const float share = coarsestShare(material, state);
   for (size_t b = 0; b < std::min<size_t>(material.bands.size(), LODEN_MAX_BANDS); ++b) {
     const Window& window = material.bands[b].window;
     data.bands[b].window = windowData(window);

@@ -12,17 +12,22 @@ namespace loden::runtime {
 // kLimit if the material has more bands or quads than the shaders take, or mixes table layouts.
 Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup);
 
-// The whole block, with everything resident (mean_chroma.zw = material's lambda_min, 1). Texel data is not
-// looked at.
-LodenMaterialData makeMaterialData(const Material& material, VdimAtlasSize atlas);
+// The whole block but for what applyResidency writes. Texel data is not looked at.
+LodenMaterialData makeMaterialData(const Material& material);
 
 // Which parts are on the GPU, as far as the shader must know.
 struct ResidentState {
-  float lambda = 0;      // published: detail below is not shown; may exceed lambda_max, up to lambda_max + 1
-  bool geometry = true;  // geometry image and VDIM
-  uint32_t bands = ~0u;  // bit per band
+  float lambda = 0;      // published: detail below is not shown; may exceed lambda_max by coarsestFade
+  VdimAtlasSize atlas{0, 0};  // the one to read; 0: no geometry image and atlas yet
+  uint32_t bands = 0;    // bit per band
+  friend bool operator==(const ResidentState&, const ResidentState&) = default;
 };
-// Clamps, closes the windows of absent bands, and fades those in that no window would.
+// What is needed at every lambda fades in over these levels beyond lambda_max. Surface maps differ more from the fitted
+// mean, which knows of shadows, than a band does.
+float coarsestFade(const Material& material);
+// How far it has faded in, from 0 at a published lambda_max + coarsestFade to 1 at lambda_max.
+float coarsestShare(const Material& material, const ResidentState& state);
+// Names the atlas, clamps lambda, closes the windows of absent bands, and fades those in that no window would.
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state);
 
 }  // namespace loden::runtime

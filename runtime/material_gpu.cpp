@@ -17,10 +17,14 @@ PartTexture oneTexel(int unit, TexelFormat format, TextureShape shape, bool plai
   return texel;
 }
 
-GlTexture uploadWhole(const PartTexture& part, const std::string& label) {
-  GlTexture texture = allocateTexture(part, label);
+void writeWhole(const PartTexture& part, const GlTexture& texture) {
   uint64_t unlimited = ~0ull;
   TextureUpload().step(part, texture.name(), unlimited);
+}
+
+GlTexture uploadWhole(const PartTexture& part, const std::string& label) {
+  GlTexture texture = allocateTexture(part, label);
+  writeWhole(part, texture);
   return texture;
 }
 
@@ -73,8 +77,8 @@ uint32_t SharedTextures::nearestImage(const DirectionSet& set) {
 }
 
 MaterialGpu::MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label,
-                         VdimAtlasSize atlas, size_t parts)
-    : material_(&material), variant_(variant), label_(label), data_(makeMaterialData(material, atlas)), parts_(parts) {}
+                         size_t parts)
+    : material_(&material), variant_(variant), label_(label), data_(makeMaterialData(material)), parts_(parts) {}
 
 void MaterialGpu::create(SharedTextures& shared) {
   empty_ = shared.emptyUnits(variant_);
@@ -92,20 +96,31 @@ void MaterialGpu::createSurfaceStandIns() {
   const PhongMean& mean = material_->mean;
   const float scale = data_.surface.x;
   const glm::vec4 specular{scale > 0 ? mean.ks / scale : 0, std::log2(std::max(mean.alpha, 1.0f)) / 12, 0, 1};
-  const PartTexture texels[] = {
-      oneTexel(LODEN_UNIT_NORMAL, TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, false, {0, 0, 1, 0}),
-      oneTexel(LODEN_UNIT_DIFFUSE, TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, false, {meanAlbedo(mean), 1}),
-      oneTexel(LODEN_UNIT_SPECULAR, TexelFormat::kRG8Unorm, TextureShape::kArray2D, false, specular)};
   stand_ins_.clear();
-  for (const PartTexture& texel : texels) {
-    stand_ins_.push_back(uploadWhole(texel, label_ + " stand-in"));
-    empty_[size_t(texel.unit)] = stand_ins_.back().name();
+  const auto add = [this](int unit, TexelFormat format, const glm::vec4& value) {
+    StandIn stand_in{oneTexel(unit, format, TextureShape::kArray2D, false, value), value, value, {}};
+    stand_in.texture = uploadWhole(stand_in.texel, label_ + " stand-in");
+    empty_[size_t(unit)] = stand_in.texture.name();
+    stand_ins_.push_back(std::move(stand_in));
+  };
+  add(LODEN_UNIT_NORMAL, TexelFormat::kRGBA8Snorm, {0, 0, 1, 0});
+  add(LODEN_UNIT_DIFFUSE, TexelFormat::kRGBA16Unorm, {meanAlbedo(mean), 1});
+  add(LODEN_UNIT_SPECULAR, TexelFormat::kRG8Unorm, specular);
+  stand_ins_shown_ = true;
+}
+
+void MaterialGpu::fadeStandIns(float share) {
+  for (StandIn& stand_in : stand_ins_) {
+    storeTexel(stand_in.texel.texels, 0, 0, 0, 0, glm::mix(stand_in.mean, stand_in.average, share));
+    writeWhole(stand_in.texel, stand_in.texture);
   }
+  stand_ins_shown_ = share < 1;
+  chooseUnits();
 }
 
 void MaterialGpu::contextLost() {
   block_.release();
-  for (GlTexture& texture : stand_ins_) texture.release();
+  for (StandIn& stand_in : stand_ins_) stand_in.texture.release();
   stand_ins_.clear();
   for (PartTextures& part : parts_) {
     for (GlTexture& texture : part.textures) texture.release();
@@ -117,21 +132,31 @@ void MaterialGpu::setPart(size_t part, std::vector<GlTexture> textures, const Lo
   PartTextures& slot = parts_[part];
   slot.textures = std::move(textures);
   slot.units.clear();
-  for (size_t i = 0; i < loaded.textures.size(); ++i) {
-    slot.units.push_back(loaded.textures[i].unit);
-    bound_[size_t(loaded.textures[i].unit)] = slot.textures[i].name();
+  for (const PartTexture& texture : loaded.textures) {
+    slot.units.push_back(texture.unit);
+    for (StandIn& stand_in : stand_ins_)
+      if (stand_in.texel.unit == texture.unit) stand_in.average = fetchTexel(texture.texels, texture.texels.mips - 1, 0, 0, 0);
   }
+  chooseUnits();
 }
 
 void MaterialGpu::dropPart(size_t part) {
-  for (int unit : parts_[part].units) bound_[size_t(unit)] = empty_[size_t(unit)];
+  if (parts_[part].units.empty()) return;
   parts_[part] = {};
+  chooseUnits();
+}
+
+void MaterialGpu::chooseUnits() {
+  bound_ = empty_;
+  for (const PartTextures& part : parts_)
+    for (size_t i = 0; i < part.units.size(); ++i) bound_[size_t(part.units[i])] = part.textures[i].name();
+  if (!stand_ins_shown_) return;
+  for (const StandIn& stand_in : stand_ins_) bound_[size_t(stand_in.texel.unit)] = stand_in.texture.name();
 }
 
 void MaterialGpu::publish(const ResidentState& state) {
-  const bool same = state.lambda == published_.lambda && state.geometry == published_.geometry &&
-                    state.bands == published_.bands;
-  if (written_ && same) return;
+  if (written_ && state == published_) return;
+  if (!stand_ins_.empty()) fadeStandIns(coarsestShare(*material_, state));
   published_ = state;
   written_ = true;
   applyResidency(data_, *material_, state);

@@ -32,18 +32,18 @@ class SharedTextures {
 class MaterialGpu {
  public:
   MaterialGpu() = default;
-  MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label, VdimAtlasSize atlas,
-              size_t parts);
+  MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label, size_t parts);
 
   // Makes block and stand-ins in the current context.
   void create(SharedTextures& shared);
   void contextLost();
 
-  // A part's textures, in the order of its LoadedPart; units are taken from there.
+  // A part's textures, in the order of its LoadedPart; units are taken from there. Where two parts hold a unit, the
+  // later in the list is read.
   void setPart(size_t part, std::vector<GlTexture> textures, const LoadedPart& loaded);
   void dropPart(size_t part);
 
-  // Writes the block if the state differs from what it holds.
+  // Writes the block, and what stands in for surface maps, if the state differs from what they hold.
   void publish(const ResidentState& state);
   // Binds block and textures; samplers of these units are set to none.
   void bind() const;
@@ -53,7 +53,16 @@ class MaterialGpu {
     std::vector<GlTexture> textures;
     std::vector<int> units;
   };
+  // One texel in the place of a surface map. Maps have no window to come in by: the texel turns from the fitted mean
+  // into the map's average as they fade in, and then gives way to the map.
+  struct StandIn {
+    PartTexture texel;
+    glm::vec4 mean{0}, average{0};
+    GlTexture texture;
+  };
   void createSurfaceStandIns();
+  void fadeStandIns(float share);
+  void chooseUnits();
 
   const Material* material_ = nullptr;
   MaterialVariant variant_;
@@ -63,7 +72,8 @@ class MaterialGpu {
   bool written_ = false;
   GlBuffer block_;
   std::vector<PartTextures> parts_;
-  std::vector<GlTexture> stand_ins_;
+  std::vector<StandIn> stand_ins_;
+  bool stand_ins_shown_ = true;
   std::array<uint32_t, LODEN_UNIT_FIRST_FREE> empty_{}, bound_{};
 };
 

@@ -15,9 +15,9 @@ uint64_t gpuBytes(const Texture& t) {
   return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
 }
 
-// Bands without an end, and the coarsest, are needed everywhere: they fade in below lambda_max + 1.
+// Bands without an end, and the coarsest, are needed everywhere.
 float bandEnd(const Material& material, const Band& band) {
-  return std::min(band.window.out_end, material.lambda_max + 1);
+  return std::min(band.window.out_end, material.lambda_max + coarsestFade(material));
 }
 
 // Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a quarter
@@ -28,24 +28,40 @@ float parallaxEnd(const Material& material) {
   return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
 }
 
-PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize atlas) {
-  return {PartKind::kGeometry, 0, {vdimAtlasBytes(material.geometry, atlas), lambda_end}};
+uint64_t entries(VdimAtlasSize atlas) {
+  return uint64_t(atlas.texels) * uint64_t(atlas.texels) * uint64_t(atlas.directions) * uint64_t(atlas.directions);
+}
+
+PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize full) {
+  const VdimAtlasSize atlas = entries(full) > entries(kFirstAtlas) ? kFirstAtlas : full;
+  return {PartKind::kGeometry, 0, atlas, {vdimAtlasBytes(material.geometry, atlas), lambda_end}};
+}
+
+// The depths alone: image and volume stay those of the geometry part.
+PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
+  return {PartKind::kAtlas, 0, full, {entries(full), std::min(lambda_end, kFirstAtlasLambda), true}};
 }
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
   const PaperVdim& vdim = *material.stored_vdim;
-  return {PartKind::kStoredVdim, 0, {gpuBytes(vdim.reference) + gpuBytes(vdim.packed), lambda_end}};
+  return {PartKind::kStoredVdim, 0, {}, {gpuBytes(vdim.reference) + gpuBytes(vdim.packed), lambda_end}};
 }
 
 PartPlan surfacePart(const Material& material) {
   const SurfaceMaps& maps = *material.surface;
   const uint64_t bytes = gpuBytes(maps.normal) + gpuBytes(maps.diffuse) + gpuBytes(maps.specular);
-  return {PartKind::kSurface, 0, {bytes, material.lambda_max + 1}};
+  return {PartKind::kSurface, 0, {}, {bytes, material.lambda_max + coarsestFade(material)}};
 }
 
-void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end, VdimAtlasSize atlas) {
+bool readsAtlas(Lookup lookup) { return lookup == Lookup::kFast || lookup == Lookup::kDefault; }
+
+void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end, VdimAtlasSize full) {
   if (lookup == Lookup::kPaper) parts.push_back(storedVdimPart(material, end));
-  if (lookup == Lookup::kFast || lookup == Lookup::kDefault) parts.push_back(geometryPart(material, end, atlas));
+  if (readsAtlas(lookup)) parts.push_back(geometryPart(material, end, full));
+}
+
+void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAtlasSize full) {
+  if (readsAtlas(lookup) && entries(full) > entries(kFirstAtlas)) parts.push_back(atlasPart(end, full));
 }
 
 uint64_t bandGpuBytes(const Band& band) {
@@ -56,7 +72,7 @@ void addBands(std::vector<PartPlan>& parts, const Material& material, Domain dom
   for (int b = int(material.bands.size()) - 1; b >= 0; --b) {
     const Band& band = material.bands[size_t(b)];
     if (band.domain == domain)
-      parts.push_back({PartKind::kBand, b, {bandGpuBytes(band), bandEnd(material, band)}});
+      parts.push_back({PartKind::kBand, b, {}, {bandGpuBytes(band), bandEnd(material, band)}});
   }
 }
 
@@ -73,15 +89,32 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index) {
   return part;
 }
 
+PartTexture depthTexture(Texture depth) {
+  return {LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(depth)};
+}
+
 Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads) {
   Result<GeometryImage> image = file.loadGeometry();
   if (!image) return image.issue();
-  VdimAtlas atlas = buildVdimAtlas(*image, GeometryTracer(*image), size, threads);
+  VdimAtlas atlas = buildVdimAtlas(*image, size, threads);
   LoadedPart part;
   part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
-  part.textures.push_back({LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(atlas.depth)});
+  part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
     part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
+  if (size == kFirstAtlas) part.geometry = std::make_shared<GeometryImage>(std::move(*image));
+  return part;
+}
+
+Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const GeometryImage* geometry, int threads) {
+  GeometryImage read;
+  if (!geometry) {
+    Result<GeometryImage> image = file.loadGeometry();
+    if (!image) return image.issue();
+    read = std::move(*image);
+  }
+  LoadedPart part;
+  part.textures.push_back(depthTexture(buildVdimDepth(geometry ? *geometry : read, size, threads)));
   return part;
 }
 
@@ -115,7 +148,8 @@ std::string extentsText(glm::ivec3 size) {
   return std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z);
 }
 
-void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& part, VdimAtlasSize atlas) {
+void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& part) {
+  const VdimAtlasSize atlas = part.atlas;
   const auto add = [&all](const char* what, const Texture& t) {
     all.push_back({what, t.shape, {t.width, t.height, t.depth}});
   };
@@ -124,9 +158,12 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
       add("band weights", material.bands[size_t(part.band)].weights);
       return add("a band table", material.bands[size_t(part.band)].table);
     case PartKind::kGeometry:
+      add("a geometry image", material.geometry.texels);
+      [[fallthrough]];
+    case PartKind::kAtlas:
       all.push_back({"a VDIM atlas", TextureShape::kArray2D,
                      {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
-      return add("a geometry image", material.geometry.texels);
+      return;
     case PartKind::kStoredVdim:
       add("a VDIM reference", material.stored_vdim->reference);
       return add("a packed VDIM", material.stored_vdim->packed);
@@ -139,26 +176,28 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
 
 }  // namespace
 
-std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant, VdimAtlasSize atlas) {
+std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant, VdimAtlasSize full_atlas) {
   std::vector<PartPlan> parts;
   if (variant.kind == MaterialVariant::Kind::kSurface) {
+    const float end = parallaxEnd(material);
     parts.push_back(surfacePart(material));
-    addLookupPart(parts, material, variant.lookup, parallaxEnd(material), atlas);
+    addLookupPart(parts, material, variant.lookup, end, full_atlas);
+    addFullAtlas(parts, variant.lookup, end, full_atlas);
     return parts;
   }
   addBands(parts, material, Domain::kReference);
   float flat_end = 0;
   for (const Band& band : material.bands)
     if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
-  addLookupPart(parts, material, variant.lookup, flat_end, atlas);
+  addLookupPart(parts, material, variant.lookup, flat_end, full_atlas);
   addBands(parts, material, Domain::kFlat);
+  addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
   return parts;
 }
 
-Status checkExtents(const Material& material, std::span<const PartPlan> parts, VdimAtlasSize atlas,
-                    const Capabilities& gl) {
+Status checkExtents(const Material& material, std::span<const PartPlan> parts, const Capabilities& gl) {
   std::vector<Extents> textures;
-  for (const PartPlan& part : parts) addExtents(textures, material, part, atlas);
+  for (const PartPlan& part : parts) addExtents(textures, material, part);
   for (const Extents& t : textures) {
     const bool volume = t.shape == TextureShape::kVolume;
     const int side = volume ? gl.max_volume_side : gl.max_texture_side;
@@ -171,18 +210,11 @@ Status checkExtents(const Material& material, std::span<const PartPlan> parts, V
   return {};
 }
 
-VdimAtlasSize fitAtlas(VdimAtlasSize wanted, uint64_t budget_bytes) {
-  GeometryImage height_field;  // geometry and closest-point volume have one size, and do not count here
-  height_field.identity_parameterization = true;
-  const auto too_large = [&] { return vdimAtlasBytes(height_field, wanted) > budget_bytes / 16; };
-  while (wanted.texels > 16 && too_large()) wanted.texels = std::max(16, wanted.texels * 3 / 4);
-  return wanted;
-}
-
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, VdimAtlasSize atlas, int threads) {
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const GeometryImage* geometry, int threads) {
   switch (plan.kind) {
     case PartKind::kBand: return loadBandPart(file, plan.band);
-    case PartKind::kGeometry: return loadGeometryPart(file, atlas, threads);
+    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads);
+    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, geometry, threads);
     case PartKind::kStoredVdim: return loadStoredVdimPart(file);
     case PartKind::kSurface: break;
   }

@@ -34,8 +34,8 @@ struct Slot {
   std::string name;
   std::shared_ptr<const AssetFile> file;
   MaterialVariant variant;
-  VdimAtlasSize atlas;
   std::vector<PartPlan> plan;
+  std::shared_ptr<const GeometryImage> geometry;  // until its full atlas is built
   std::vector<uint64_t> serials;  // per part: of the request that counts
   MaterialGpu gpu;
 };
@@ -48,6 +48,7 @@ struct Demand {
 Status checkOptions(const MaterialSystemOptions& options) {
   const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
   if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
+  if (!(options.release_seconds > 0)) return issue("release_seconds must be above 0");
   if (options.atlas_size.texels < 1 || options.atlas_size.directions < 1)
     return issue("atlas_size must be at least 1 texel and 1 direction");
   return {};
@@ -62,6 +63,7 @@ struct MaterialSystem::Impl {
     ResidencyOptions r;
     r.budget_bytes = options.budget_bytes;
     r.fade_levels_per_second = options.fade_levels_per_second;
+    r.release_seconds = options.release_seconds;
     return r;
   }
 
@@ -81,11 +83,12 @@ struct MaterialSystem::Impl {
   void finishJob(UploadJob& job);
   void evict(PartRef ref);
   void request(PartRef ref);
-  void publishAll();
+  void publishActive();
   ResidentState residentState(uint32_t index) const;
   void countFrame();
   void countGeometry(PartRef ref) {
-    if (slots[ref.slot].plan[ref.part].kind == PartKind::kGeometry) ++geometry_revision;
+    const PartKind kind = slots[ref.slot].plan[ref.part].kind;
+    geometry_revision += kind == PartKind::kGeometry || kind == PartKind::kAtlas;
   }
   bool current(const PartTicket& ticket) const {
     const Slot& slot = slots[ticket.ref.slot];
@@ -103,7 +106,7 @@ struct MaterialSystem::Impl {
   uint64_t geometry_revision = 0;
   MaterialStats stats;
   std::atomic<uint64_t> read_bytes{0};
-  LoadingThread loader;  // last: its thread reads the rest
+  LoadingThreads loader;  // last: its threads read the rest
 };
 
 Result<std::unique_ptr<MaterialSystem>> MaterialSystem::create(const Device& device,
@@ -132,9 +135,8 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   const auto file = std::make_shared<const AssetFile>(std::move(*opened));
   Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
   if (!variant) return variant.issue();
-  const VdimAtlasSize atlas = fitAtlas(impl.options.atlas_size, impl.options.budget_bytes);
-  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, atlas);
-  if (Status status = checkExtents(file->skeleton(), plan, atlas, impl.device->capabilities()); !status)
+  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, impl.options.atlas_size);
+  if (Status status = checkExtents(file->skeleton(), plan, impl.device->capabilities()); !status)
     return status.issue();
   std::vector<PartDesc> descs;
   for (const PartPlan& part : plan) descs.push_back(part.desc);
@@ -147,10 +149,9 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   slot.name = name;
   slot.file = file;
   slot.variant = *variant;
-  slot.atlas = atlas;
   slot.plan = std::move(plan);
   slot.serials.assign(slot.plan.size(), 0);
-  slot.gpu = MaterialGpu(file->skeleton(), *variant, name, atlas, slot.plan.size());
+  slot.gpu = MaterialGpu(file->skeleton(), *variant, name, slot.plan.size());
   const GlPixelStateScope scope;
   slot.gpu.create(impl.shared);
   slot.gpu.publish(impl.residentState(index));
@@ -201,7 +202,7 @@ void MaterialSystem::update(float seconds) {
   const Residency::Actions& actions = impl.residency.advance(seconds);
   for (PartRef ref : actions.evict) impl.evict(ref);
   for (PartRef ref : actions.load) impl.request(ref);
-  impl.publishAll();
+  impl.publishActive();
   impl.countFrame();
   impl.last_demands = std::exchange(impl.demands, {});
 }
@@ -216,8 +217,11 @@ void MaterialSystem::finishLoading() {
       impl.residency.demand(demand.slot, demand.lambda);
       impl.demands.push_back(demand);
     }
-    update(1);
+    update(0);
   } while (!impl.residency.settled());
+  impl.residency.endFades();
+  const GlPixelStateScope scope;
+  impl.publishActive();
 }
 
 void MaterialSystem::contextLost() {
@@ -246,7 +250,7 @@ Status MaterialSystem::contextRestored() {
 }
 
 void MaterialSystem::Impl::takeDeliveries() {
-  for (LoadingThread::Delivery& delivery : loader.take()) {
+  for (LoadingThreads::Delivery& delivery : loader.take()) {
     if (!current(delivery.ticket)) continue;
     if (delivery.part) {
       uploads.push_back({delivery.ticket, std::move(*delivery.part), {}, {}});
@@ -290,7 +294,9 @@ bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
 }
 
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
-  slots[job.ticket.ref.slot].gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
+  Slot& slot = slots[job.ticket.ref.slot];
+  slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
+  if (job.part.geometry) slot.geometry = std::move(job.part.geometry);
   residency.arrived(job.ticket.ref);
   countGeometry(job.ticket.ref);
 }
@@ -299,6 +305,7 @@ void MaterialSystem::Impl::evict(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = 0;
   slot.gpu.dropPart(ref.part);
+  if (slot.plan[ref.part].kind == PartKind::kGeometry) slot.geometry.reset();
   loader.cancel(ref);
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
@@ -308,23 +315,27 @@ void MaterialSystem::Impl::evict(PartRef ref) {
 void MaterialSystem::Impl::request(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = next_serial++;
-  loader.request({{ref, slot.serials[ref.part]}, slot.file, slot.plan[ref.part], slot.atlas, options.atlas_threads});
+  const PartPlan& plan = slot.plan[ref.part];
+  std::shared_ptr<const GeometryImage> geometry;
+  if (plan.kind == PartKind::kAtlas) geometry = std::exchange(slot.geometry, {});
+  loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(geometry), options.atlas_threads});
 }
 
 ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
   const Slot& slot = slots[index];
-  ResidentState state{residency.publishedLambda(index), false, 0};
+  ResidentState state;
+  state.lambda = residency.publishedLambda(index);
   for (uint32_t part = 0; part < slot.plan.size(); ++part) {
     if (!residency.resident({index, part})) continue;
-    if (slot.plan[part].kind == PartKind::kBand) state.bands |= 1u << slot.plan[part].band;
-    if (slot.plan[part].kind == PartKind::kGeometry) state.geometry = true;
+    const PartPlan& plan = slot.plan[part];
+    if (plan.kind == PartKind::kBand) state.bands |= 1u << plan.band;
+    if (plan.kind == PartKind::kGeometry || plan.kind == PartKind::kAtlas) state.atlas = plan.atlas;
   }
   return state;
 }
 
-void MaterialSystem::Impl::publishAll() {
-  for (uint32_t index = 0; index < slots.size(); ++index)
-    if (slots[index].alive) slots[index].gpu.publish(residentState(index));
+void MaterialSystem::Impl::publishActive() {
+  for (const uint32_t index : residency.active()) slots[index].gpu.publish(residentState(index));
 }
 
 void MaterialSystem::Impl::countFrame() {

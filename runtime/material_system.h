@@ -25,10 +25,11 @@ struct MaterialId {
 
 struct MaterialSystemOptions {
   uint64_t budget_bytes = 64u << 20;            // GPU bytes of all parts, those in flight included
-  uint64_t upload_bytes_per_frame = 1u << 20;   // at least one row of texels goes up per frame
-  float fade_levels_per_second = 2.5f;          // of arriving detail; FLIP between frames at 30 Hz stays below .05
+  uint64_t upload_bytes_per_frame = 256u << 10;  // at least one row of texels goes up per frame
+  float fade_levels_per_second = 4;             // of detail that arrives in view, and a fifteenth of a level per frame
+  float release_seconds = 3;                    // what nobody has demanded for longer goes even where there is room
   Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM
-  VdimAtlasSize atlas_size{};                   // at most; smaller where the budget is tight
+  VdimAtlasSize atlas_size{};                   // at most; what the budget has no room for is drawn with a small one
   int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
 };
 
@@ -70,7 +71,7 @@ class MaterialSystem {
   // Once per frame: takes what the loading thread delivered, uploads within the bound, evicts, fades in, asks
   // for more. Never waits. Seconds since the last call.
   void update(float seconds);
-  // Updates until every demanded part is resident, or cannot be, and faded in; for captures and tests.
+  // Updates until every demanded part is resident, or cannot be, and shows it without a fade; for captures and tests.
   void finishLoading();
 
   // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and texture
@@ -79,7 +80,8 @@ class MaterialSystem {
   // The smallest lambda that the shader will use: detail below it is not resident.
   float residentLambda(MaterialId id) const;
 
-  // Changes whenever a geometry image arrives on the GPU or leaves it: what was drawn with its relief is out of date.
+  // Changes whenever a geometry image or its atlas arrives on the GPU or leaves it: what was drawn with its relief is
+  // out of date.
   uint64_t geometryRevision() const;
 
   // After the context is gone: forget every name; after the new one is current: everything streams in again.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "material/check.h"
 
@@ -20,40 +21,56 @@ uint32_t Residency::add(std::vector<PartDesc> parts) {
   material.alive = true;
   uint64_t bytes = 0;
   for (const PartDesc& desc : parts) {
+    LODEN_CHECK(desc.refines || material.parts.empty() || !material.parts.back().desc.refines);
     bytes += desc.bytes;
-    if (bytes <= options_.floor_bytes) ++material.floor_parts;
+    if (bytes <= options_.floor_bytes && !desc.refines) ++material.floor_parts;
     material.published = std::max(material.published, desc.lambda_end);
     material.parts.push_back({desc});
   }
+  activate(slot);
   return slot;
 }
 
 void Residency::remove(uint32_t slot) {
   LODEN_CHECK(materials_[slot].alive);
-  for (uint32_t part = 0; part < materials_[slot].parts.size(); ++part) evict({slot, part});
+  activate(slot);
+  evict({slot, 0});
   actions_.evict.clear();
+  std::erase(active_, slot);
   materials_[slot] = {};
   free_slots_.push_back(slot);
+  activate_all_ = true;
+}
+
+void Residency::setBudget(uint64_t bytes) {
+  options_.budget_bytes = bytes;
+  activate_all_ = true;
 }
 
 void Residency::demand(uint32_t slot, float lambda) {
   Material& material = materials_[slot];
   LODEN_CHECK(material.alive);
-  const bool first = material.demanded_frame != frame_;
+  const bool first = !seen(material);
   material.demanded = first ? lambda : std::min(material.demanded, lambda);
   material.demanded_frame = frame_;
+  activate(slot);
 }
 
 const Residency::Actions& Residency::advance(float seconds) {
   actions_.evict.clear();
   actions_.load.clear();
   settled_ = true;
+  now_ += seconds;
+  deactivateWhatRests();
   collectCandidates();
   chooseTargets();
   evictOverBudget();
+  releaseUnwanted();
   requestLoads();
-  for (Material& material : materials_)
-    if (material.alive && publish(material, seconds)) settled_ = false;
+  for (const uint32_t slot : active_) {
+    publish(materials_[slot], seconds);
+    materials_[slot].at_rest = rests(materials_[slot]);
+  }
   ++frame_;
   return actions_;
 }
@@ -61,51 +78,99 @@ const Residency::Actions& Residency::advance(float seconds) {
 void Residency::arrived(PartRef ref) {
   Part& part = at(ref);
   if (part.state != State::kLoading) return;  // evicted on the way
+  stopLoading(part);
   part.state = State::kResident;
-  --loading_;
   ++resident_parts_;
 }
 
 void Residency::failed(PartRef ref) {
   Part& part = at(ref);
   if (part.state != State::kLoading) return;
+  stopLoading(part);
   part.state = State::kFailed;
-  --loading_;
   committed_ -= part.desc.bytes;
 }
 
 void Residency::dropAll() {
-  for (uint32_t slot = 0; slot < materials_.size(); ++slot)
-    for (uint32_t part = 0; part < materials_[slot].parts.size(); ++part) evict({slot, part});
+  for (uint32_t slot = 0; slot < materials_.size(); ++slot) {
+    if (!materials_[slot].alive) continue;
+    activate(slot);
+    evict({slot, 0});
+    for (const Part& part : materials_[slot].parts)
+      materials_[slot].published = std::max(materials_[slot].published, part.desc.lambda_end);
+  }
   actions_.evict.clear();
-  for (Material& material : materials_)
-    for (const Part& part : material.parts) material.published = std::max(material.published, part.desc.lambda_end);
 }
 
-// Leading parts that this frame's demand asks for, the floor at least.
-uint32_t Residency::wantedParts(const Material& material) const {
-  uint32_t count = material.floor_parts;
-  if (material.demanded_frame != frame_) return count;
-  for (uint32_t i = count; i < material.parts.size(); ++i)
-    if (material.parts[i].desc.lambda_end > material.demanded) count = i + 1;
+void Residency::endFades() {
+  for (const uint32_t slot : active_) materials_[slot].published = missingLambda(materials_[slot]);
+}
+
+uint64_t Residency::residentBytes(const Material& material) const {
+  uint64_t bytes = 0;
+  for (const Part& part : material.parts)
+    if (part.state == State::kResident) bytes += part.desc.bytes;
+  return bytes;
+}
+
+void Residency::activate(uint32_t slot) {
+  Material& material = materials_[slot];
+  if (material.active) return;
+  material.active = true;
+  material.at_rest = false;
+  active_.push_back(slot);
+  resting_bytes_ -= residentBytes(material);
+}
+
+// At the start of a frame, so that active() still lists what came to rest in the last one.
+void Residency::deactivateWhatRests() {
+  if (std::exchange(activate_all_, false)) {
+    for (uint32_t slot = 0; slot < materials_.size(); ++slot) {
+      if (!materials_[slot].alive) continue;
+      activate(slot);
+      materials_[slot].at_rest = false;
+    }
+  }
+  std::erase_if(active_, [this](uint32_t slot) {
+    Material& material = materials_[slot];
+    if (!material.at_rest || seen(material)) return false;
+    material.active = false;
+    resting_bytes_ += residentBytes(material);
+    return true;
+  });
+}
+
+// Leading parts that this frame's demand asks for: the floor, as far as half the budget holds it where nobody looks.
+uint32_t Residency::wantedParts(const Material& material) {
+  uint32_t count = 0;
+  if (seen(material)) {
+    count = material.floor_parts;
+    for (uint32_t i = count; i < material.parts.size(); ++i)
+      if (material.parts[i].desc.lambda_end > material.demanded) count = i + 1;
+    return count;
+  }
+  const auto fits = [this](uint64_t bytes) { return unseen_floor_bytes_ + bytes <= options_.budget_bytes / 2; };
+  for (; count < material.floor_parts && fits(material.parts[count].desc.bytes); ++count)
+    unseen_floor_bytes_ += material.parts[count].desc.bytes;
   return count;
 }
 
-// Wanted parts, the most needed first: floors, then coarse before fine. What is already there gets a head start,
+// Wanted parts, the most needed first: floors, then coarse before fine, then refinements. What is already there gets a head start,
 // so that two materials of equal need do not push each other out in turns. Floors that are there need no place
-// in the order: they come first anyway, which keeps thousands of unseen materials cheap.
+// in the order: they come first anyway.
 void Residency::collectCandidates() {
   candidates_.clear();
-  target_bytes_ = 0;
-  for (uint32_t slot = 0; slot < materials_.size(); ++slot) {
+  target_bytes_ = unseen_floor_bytes_ = resting_bytes_;
+  for (const uint32_t slot : active_) {
     Material& material = materials_[slot];
-    const uint32_t wanted = wantedParts(material);
+    material.wanted_parts = wantedParts(material);
     float rank = std::numeric_limits<float>::max();
     for (uint32_t i = 0; i < material.parts.size(); ++i) {
       Part& part = material.parts[i];
       part.targeted = false;
-      if (i >= wanted) continue;
+      if (i >= material.wanted_parts) continue;
       part.last_wanted = frame_;
+      part.last_wanted_at = now_;
       if (part.state == State::kFailed) break;
       const float head_start = part.state == State::kAbsent ? 0 : options_.hysteresis_lambda;
       rank = std::min(rank, part.desc.lambda_end + head_start);
@@ -115,11 +180,12 @@ void Residency::collectCandidates() {
         target_bytes_ += part.desc.bytes;
         continue;
       }
-      candidates_.push_back({{slot, i}, i < material.floor_parts, rank});
+      const int rank_class = i < material.floor_parts ? 0 : part.desc.refines ? 2 : 1;
+      candidates_.push_back({{slot, i}, rank_class, rank});
     }
   }
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-    if (a.floor != b.floor) return a.floor;
+    if (a.rank_class != b.rank_class) return a.rank_class < b.rank_class;
     if (a.rank != b.rank) return a.rank > b.rank;
     return a.ref.slot != b.ref.slot ? a.ref.slot < b.ref.slot : a.ref.part < b.ref.part;
   });
@@ -137,7 +203,7 @@ void Residency::chooseTargets() {
   }
   victims_.clear();
   next_victim_ = 0;
-  for (uint32_t slot = 0; slot < materials_.size(); ++slot)
+  for (const uint32_t slot : active_)
     for (uint32_t i = 0; i < materials_[slot].parts.size(); ++i) {
       const Part& part = materials_[slot].parts[i];
       if (part.state == State::kResident && !part.targeted) victims_.push_back({slot, i});
@@ -153,9 +219,18 @@ void Residency::chooseTargets() {
 void Residency::evictOverBudget() {
   while (committed_ > options_.budget_bytes && next_victim_ < victims_.size()) evict(victims_[next_victim_++]);
   if (committed_ <= options_.budget_bytes) return;
-  for (uint32_t slot = 0; slot < materials_.size(); ++slot)
+  for (const uint32_t slot : active_)
     for (uint32_t i = 0; i < materials_[slot].parts.size(); ++i)
       if (materials_[slot].parts[i].state == State::kLoading && !materials_[slot].parts[i].targeted) evict({slot, i});
+}
+
+// One part a frame: giving back a texture takes time, and nobody waits for the room.
+void Residency::releaseUnwanted() {
+  if (next_victim_ == victims_.size()) return;
+  const PartRef oldest = victims_[next_victim_];
+  if (now_ - at(oldest).last_wanted_at <= options_.release_seconds) return;
+  evict(oldest);
+  ++next_victim_;
 }
 
 // Evicts least recently wanted parts until `bytes` fit. What was wanted a moment ago and is not now stays, unless
@@ -166,7 +241,7 @@ bool Residency::makeRoom(uint64_t bytes, const Candidate& wanted) {
     if (next_victim_ == victims_.size()) return false;
     const Part& victim = at(victims_[next_victim_]);
     const bool lingers = victim.last_wanted < frame_ && frame_ - victim.last_wanted < options_.hysteresis_frames;
-    if (lingers && !wanted.floor && wanted.rank < victim.desc.lambda_end + 1) return false;
+    if (lingers && wanted.rank_class > 0 && wanted.rank < victim.desc.lambda_end + 1) return false;
     evict(victims_[next_victim_++]);
   }
   return true;
@@ -174,7 +249,7 @@ bool Residency::makeRoom(uint64_t bytes, const Candidate& wanted) {
 
 // Makes way for what is wanted now: parts that are under way, but that nobody has wanted for a while.
 void Residency::dropStaleLoads() {
-  for (uint32_t slot = 0; slot < materials_.size(); ++slot)
+  for (const uint32_t slot : active_)
     for (uint32_t i = 0; i < materials_[slot].parts.size(); ++i) {
       const Part& part = materials_[slot].parts[i];
       const bool stale = !part.targeted && frame_ - part.last_wanted >= options_.hysteresis_frames;
@@ -182,41 +257,78 @@ void Residency::dropStaleLoads() {
     }
 }
 
+bool Residency::mayLoad(PartRef ref) const {
+  const std::vector<Part>& parts = materials_[ref.slot].parts;
+  const Part& part = parts[ref.part];
+  if (part.state != State::kAbsent || !part.targeted) return false;
+  return !part.desc.refines || (refining_ == 0 && (ref.part == 0 || parts[ref.part - 1].state == State::kResident));
+}
+
 void Residency::requestLoads() {
   for (const Candidate& candidate : candidates_) {
     Part& part = at(candidate.ref);
-    if (part.state != State::kAbsent || !part.targeted) continue;
+    if (!mayLoad(candidate.ref)) continue;
     settled_ = false;
     if (loading_ >= options_.max_loading) dropStaleLoads();
     if (loading_ >= options_.max_loading) return;
     if (!makeRoom(part.desc.bytes, candidate)) continue;  // smaller ones may fit: all targets do together
     part.state = State::kLoading;
     ++loading_;
+    refining_ += part.desc.refines;
     committed_ += part.desc.bytes;
     actions_.load.push_back(candidate.ref);
   }
 }
 
-void Residency::evict(PartRef ref) {
-  Part& part = at(ref);
-  if (part.state != State::kLoading && part.state != State::kResident) return;
-  --(part.state == State::kLoading ? loading_ : resident_parts_);
-  part.state = State::kAbsent;
-  committed_ -= part.desc.bytes;
-  actions_.evict.push_back(ref);
+void Residency::stopLoading(Part& part) {
+  --loading_;
+  refining_ -= part.desc.refines;
 }
 
-// Coarser at once where something is gone, finer at the fade's pace; true while fading.
-bool Residency::publish(Material& material, float seconds) {
+// With what comes after it, which reads through it, and may still be under way.
+void Residency::evict(PartRef ref) {
+  std::vector<Part>& parts = materials_[ref.slot].parts;
+  for (uint32_t i = uint32_t(parts.size()); i-- > ref.part;) {
+    Part& part = parts[i];
+    if (part.state != State::kLoading && part.state != State::kResident) continue;
+    if (part.state == State::kLoading) stopLoading(part);
+    else --resident_parts_;
+    part.state = State::kAbsent;
+    committed_ -= part.desc.bytes;
+    actions_.evict.push_back({ref.slot, i});
+  }
+}
+
+// The lambda below which something is missing.
+float Residency::missingLambda(const Material& material) {
   float missing = 0;
   bool complete = true;
   for (const Part& part : material.parts) {
+    if (part.desc.refines) continue;
     complete = complete && part.state == State::kResident;
     if (!complete) missing = std::max(missing, part.desc.lambda_end);
   }
-  const float faded = material.published - seconds * options_.fade_levels_per_second;
-  material.published = std::max(missing, faded);
-  return material.published > missing;
+  return missing;
+}
+
+// Coarser at once where something is gone, finer at the fade's pace where somebody could see the difference.
+void Residency::publish(Material& material, float seconds) {
+  const float missing = missingLambda(material);
+  const float step = std::min(seconds * options_.fade_levels_per_second, options_.fade_levels_per_frame);
+  material.published = seen(material) ? std::max(missing, material.published - step) : missing;
+}
+
+// Unseen, and holds what is wanted of it, as far as the file gives it, and no more.
+bool Residency::rests(const Material& material) const {
+  if (seen(material)) return false;
+  bool broken = false;
+  for (uint32_t i = 0; i < material.parts.size(); ++i) {
+    const State state = material.parts[i].state;
+    broken = broken || state == State::kFailed;
+    const bool wanted = i < material.wanted_parts && !broken;
+    if (state == State::kLoading || state == (wanted ? State::kAbsent : State::kResident)) return false;
+  }
+  return true;
 }
 
 }  // namespace loden::runtime

@@ -1,5 +1,9 @@
 #include "runtime/streaming.h"
 
+#ifdef __linux__
+#include <sys/resource.h>
+#endif
+
 #include <algorithm>
 #include <exception>
 #include <string>
@@ -10,65 +14,81 @@
 namespace loden::runtime {
 namespace {
 
+// Added to the niceness of the thread that draws: frames come first, then what detail waits for.
+constexpr int kLoadNicer = 10, kRefineNicer = 19;
+
 // Memory above all: a part that does not fit is a part that failed, not the end of the process.
-Result<LoadedPart> loadRequest(const LoadingThread::Request& request) {
+Result<LoadedPart> loadRequest(const LoadingThreads::Request& request) {
   try {
-    return loadPart(*request.file, request.plan, request.atlas, request.atlas_threads);
+    return loadPart(*request.file, request.plan, request.geometry.get(), request.atlas_threads);
   } catch (const std::exception& exception) {
     return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,
                  std::string("a part could not be prepared: ") + exception.what()};
   }
 }
 
+void lowerPriority([[maybe_unused]] int nicer) {
+#ifdef __linux__
+  const int nice = getpriority(PRIO_PROCESS, 0);  // of this thread, on Linux
+  setpriority(PRIO_PROCESS, 0, std::min(nice + nicer, 19));
+#endif
+}
+
 }  // namespace
 
-LoadingThread::LoadingThread() : thread_([this] { run(); }) {}
+LoadingThreads::LoadingThreads() {
+  lanes_[0].thread = std::thread([this] { run(lanes_[0], kLoadNicer); });
+  lanes_[1].thread = std::thread([this] { run(lanes_[1], kRefineNicer); });
+}
 
-LoadingThread::~LoadingThread() {
+LoadingThreads::~LoadingThreads() {
   {
     std::lock_guard lock(mutex_);
     stop_ = true;
   }
-  wake_thread_.notify_one();
-  thread_.join();
+  wake_threads_.notify_all();
+  for (Lane& lane : lanes_) lane.thread.join();
 }
 
-void LoadingThread::request(Request request) {
+void LoadingThreads::request(Request request) {
   {
     std::lock_guard lock(mutex_);
-    requests_.push_back(std::move(request));
+    lanes_[request.plan.desc.refines].requests.push_back(std::move(request));
   }
-  wake_thread_.notify_one();
+  wake_threads_.notify_all();
 }
 
-void LoadingThread::cancel(PartRef ref) {
+void LoadingThreads::cancel(PartRef ref) {
   std::lock_guard lock(mutex_);
-  std::erase_if(requests_, [ref](const Request& request) { return request.ticket.ref == ref; });
+  for (Lane& lane : lanes_)
+    std::erase_if(lane.requests, [ref](const Request& request) { return request.ticket.ref == ref; });
 }
 
-std::vector<LoadingThread::Delivery> LoadingThread::take() {
+std::vector<LoadingThreads::Delivery> LoadingThreads::take() {
   std::lock_guard lock(mutex_);
   return std::exchange(deliveries_, {});
 }
 
-void LoadingThread::wait() {
+void LoadingThreads::wait() {
+  const auto idle = [](const Lane& lane) { return lane.requests.empty() && !lane.working; };
   std::unique_lock lock(mutex_);
-  wake_owner_.wait(lock, [this] { return !deliveries_.empty() || (requests_.empty() && !working_); });
+  wake_owner_.wait(lock, [&] { return !deliveries_.empty() || std::all_of(lanes_.begin(), lanes_.end(), idle); });
 }
 
-void LoadingThread::run() {
+void LoadingThreads::run(Lane& lane, int nicer) {
+  lowerPriority(nicer);
   std::unique_lock lock(mutex_);
   while (true) {
-    wake_thread_.wait(lock, [this] { return stop_ || !requests_.empty(); });
+    wake_threads_.wait(lock, [&] { return stop_ || !lane.requests.empty(); });
     if (stop_) return;
-    const Request request = std::move(requests_.front());
-    requests_.pop_front();
-    working_ = true;
+    const Request request = std::move(lane.requests.front());
+    lane.requests.pop_front();
+    lane.working = true;
     lock.unlock();
     Result<LoadedPart> part = loadRequest(request);
     lock.lock();
     deliveries_.push_back({request.ticket, std::move(part)});
-    working_ = false;
+    lane.working = false;
     wake_owner_.notify_all();
   }
 }

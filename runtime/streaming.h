@@ -1,6 +1,7 @@
-// The loading thread: reads parts of assets while frames go on. Private to the runtime; no GL.
+// The loading threads: read parts of assets and build atlases while frames go on. Private to the runtime; no GL.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -36,13 +37,15 @@ struct PartTicket {
   uint64_t serial = 0;
 };
 
-class LoadingThread {
+// Two threads: one for what detail waits for, one for what only refines, so that a long build keeps nothing waiting.
+// Both run at a lower priority than the thread that makes them, where the system lets them.
+class LoadingThreads {
  public:
   struct Request {
     PartTicket ticket;
     std::shared_ptr<const AssetFile> file;
     PartPlan plan;
-    VdimAtlasSize atlas;
+    std::shared_ptr<const GeometryImage> geometry;  // of kAtlas; null: read again
     int atlas_threads = 1;
   };
   struct Delivery {
@@ -50,10 +53,10 @@ class LoadingThread {
     Result<LoadedPart> part;
   };
 
-  LoadingThread();
-  ~LoadingThread();  // finishes the part in hand, drops the rest
+  LoadingThreads();
+  ~LoadingThreads();  // finishes the parts in hand, drops the rest
 
-  // Requests are served in order.
+  // Requests of one kind are served in order.
   void request(Request request);
   // Drops what has not been begun.
   void cancel(PartRef ref);
@@ -63,14 +66,18 @@ class LoadingThread {
   void wait();
 
  private:
-  void run();
+  struct Lane {
+    std::deque<Request> requests;
+    bool working = false;
+    std::thread thread;
+  };
+  void run(Lane& lane, int nicer);
 
   std::mutex mutex_;
-  std::condition_variable wake_thread_, wake_owner_;
-  std::deque<Request> requests_;
+  std::condition_variable wake_threads_, wake_owner_;
+  std::array<Lane, 2> lanes_;  // index: whether the part refines
   std::vector<Delivery> deliveries_;
-  bool working_ = false, stop_ = false;
-  std::thread thread_;
+  bool stop_ = false;
 };
 
 }  // namespace loden::runtime

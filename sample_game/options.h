@@ -30,7 +30,7 @@ struct Options {
   std::filesystem::path script;
   int frames = 0;                 // 0: as long as the window is open, one when headless
   std::filesystem::path capture, report, contact_sheet, shader_cache;  // empty: none
-  double budget_mb = 64, upload_kb = 1024;
+  double budget_mb = 64, upload_kb = 256;
   Mode mode = Mode::kFull;
   std::optional<float> lambda;
   bool parallax_depth = false;

@@ -45,7 +45,7 @@ std::string componentsText(const Material& material) {
 }
 
 nlohmann::ordered_json lookupMeta(const Material& material) {
-  const VdimAtlas atlas = buildVdimAtlas(material.geometry, GeometryTracer(material.geometry), {});
+  const VdimAtlas atlas = buildVdimAtlas(material.geometry, {});
   nlohmann::ordered_json json = {{"geometry_side", material.geometry.side()},
                                  {"atlas_texels", atlas.size.texels},
                                  {"atlas_directions", atlas.size.directions},

@@ -119,7 +119,7 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   if (!tile) return tile.issue();
   const auto geometry = geometryOf(*baked, 0);
   if (!geometry) return geometry.issue();
-  const VdimAtlas atlas = buildVdimAtlas(*geometry, GeometryTracer(*geometry), {}, options.threads);
+  const VdimAtlas atlas = buildVdimAtlas(*geometry, {}, options.threads);
   const glm::dvec2 angles[] = {{0, 90}, {0, 60}, {60, 75}, {75, 90}};
   Progress progress("curved-lookup " + name, 2 * 2 * 2 * std::size(angles), options.quiet);
   for (const SurfaceKind kind : {SurfaceKind::kCylinder, SurfaceKind::kSphere}) {

@@ -148,8 +148,8 @@ Candidate tracedCandidate(const GeometryImage& geometry, const GeometryTracer& t
   return {"geometry " + std::to_string(geometry.side()), "quality", geometry.texels.data.size(), find, &geometry};
 }
 
-std::vector<Candidate> searchCandidates(const GeometryImage& geometry, const GeometryTracer& tracer, VdimAtlasSize size, int threads) {
-  const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, tracer, size, threads));
+std::vector<Candidate> searchCandidates(const GeometryImage& geometry, VdimAtlasSize size, int threads) {
+  const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, size, threads));
   const size_t bytes = atlas->bytes();
   const std::string map = "concentric:" + std::to_string(size.directions) + " of " + std::to_string(size.texels) + "x" + std::to_string(size.texels);
   const auto with = [&](const char* name, VdimTier tier) {
@@ -179,8 +179,8 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
     candidate->geometry = &*geometry;
     candidates.push_back(std::move(*candidate));
   }
-  for (const VdimAtlasSize size : {VdimAtlasSize{16, 16}, VdimAtlasSize{}, VdimAtlasSize{24, 24}, VdimAtlasSize{32, 20}})
-    for (Candidate& candidate : searchCandidates(*geometry, traced, size, options.threads)) candidates.push_back(std::move(candidate));
+  for (const VdimAtlasSize size : {VdimAtlasSize{16, 12}, VdimAtlasSize{16, 16}, VdimAtlasSize{}, VdimAtlasSize{24, 24}, VdimAtlasSize{32, 20}})
+    for (Candidate& candidate : searchCandidates(*geometry, size, options.threads)) candidates.push_back(std::move(candidate));
   const GeometryImage fine = geometryOfSize(mesh, kFineGeometry);
   const GeometryTracer fine_tracer(fine);
   candidates.push_back(tracedCandidate(*geometry, traced));

@@ -36,6 +36,20 @@ Material largeFused(uint32_t seed) {
   return material;
 }
 
+// Surface maps of one value each, and that far from the fitted mean.
+Material plainSurface() {
+  Material material = surfaceMaterial();
+  const auto fill = [](Texture& map, const glm::vec4& value) {
+    for (int mip = 0; mip < map.mips; ++mip)
+      for (int y = 0; y < map.mipHeight(mip); ++y)
+        for (int x = 0; x < map.mipWidth(mip); ++x) storeTexel(map, mip, x, y, 0, value);
+  };
+  fill(material.surface->normal, {0, 0, 0.6f, 0});
+  fill(material.surface->diffuse, {0.9f, 0.8f, 0.2f, 1});
+  fill(material.surface->specular, {0.5f, 0.4f, 0, 0});
+  return material;
+}
+
 double meanDifference(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i)
@@ -75,7 +89,7 @@ TEST_F(MaterialSystemTest, LoadsWhatIsDemandedAndNothingElse) {
   EXPECT_FLOAT_EQ(system->residentLambda(id), 2);
   system->demand(id, 0);
   system->finishLoading();
-  EXPECT_EQ(system->stats().parts_resident, 3) << "and geometry, and the flat band";
+  EXPECT_EQ(system->stats().parts_resident, 4) << "and geometry with a small atlas, the flat band, the full atlas";
   EXPECT_EQ(system->residentLambda(id), 0);
   EXPECT_GT(system->stats().resident_bytes, coarse);
   EXPECT_GT(system->stats().read_bytes - header, read);
@@ -142,17 +156,17 @@ TEST_F(MaterialSystemTest, ComparesEveryTextureWithTheDriversLimits) {
     const Result<MaterialVariant> variant = materialVariant(material, Lookup::kDefault);
     ASSERT_TRUE(variant.ok());
     const std::vector<PartPlan> parts = planParts(material, *variant, {});
-    EXPECT_TRUE(checkExtents(material, parts, {}, device->capabilities()).ok());
+    EXPECT_TRUE(checkExtents(material, parts, device->capabilities()).ok());
     for (int Capabilities::*limit : {&Capabilities::max_texture_side, &Capabilities::max_array_layers}) {
       Capabilities small = device->capabilities();
       small.*limit = 0;
-      const Status status = checkExtents(material, parts, {}, small);
+      const Status status = checkExtents(material, parts, small);
       ASSERT_FALSE(status.ok()) << material.name;
       EXPECT_EQ(status.issue().id, issue_id::kLimit);
     }
     Capabilities no_volumes = device->capabilities();
     no_volumes.max_volume_side = 1;
-    EXPECT_EQ(checkExtents(material, parts, {}, no_volumes).ok(), material.bands.empty()) << material.name;
+    EXPECT_EQ(checkExtents(material, parts, no_volumes).ok(), material.bands.empty()) << material.name;
   }
 }
 
@@ -176,22 +190,91 @@ TEST_F(MaterialSystemTest, StaysWithinBudgetAndUploadBoundOnEveryFrame) {
 }
 
 TEST_F(MaterialSystemTest, FadesInWithoutAPop) {
-  auto system = makeMaterials();
-  const MaterialId id = load(*system, largeFused(3));
-  std::vector<glm::vec4> before = drawMaterial(*system, id, 0, {16, 16});
-  const std::vector<glm::vec4> first = before;
-  double largest = 0, total = 0;
-  for (int frame = 0; frame < 4000; ++frame) {
-    system->demand(id, 0);
-    system->update(1.0f / 60);
-    if (system->residentLambda(id) == 0) break;
-    std::vector<glm::vec4> now = drawMaterial(*system, id, 0, {16, 16});
-    largest = std::max(largest, meanDifference(before, now));
-    before = std::move(now);
+  for (const Material& material : {largeFused(3), plainSurface()}) {
+    auto system = makeMaterials();
+    const MaterialId id = load(*system, material);
+    std::vector<glm::vec4> before = drawMaterial(*system, id, 0, {16, 16});
+    const std::vector<glm::vec4> first = before;
+    double largest = 0;
+    for (int frame = 0; frame < 4000; ++frame) {
+      system->demand(id, 0);
+      system->update(1.0f / 60);
+      std::vector<glm::vec4> now = drawMaterial(*system, id, 0, {16, 16});
+      largest = std::max(largest, meanDifference(before, now));
+      before = std::move(now);
+      if (system->residentLambda(id) == 0) break;
+    }
+    EXPECT_EQ(system->residentLambda(id), 0);
+    EXPECT_LT(largest, 0.2 * meanDifference(first, before)) << material.name << ": one frame brings more than a fifth of the whole change";
   }
-  total = meanDifference(first, before);
-  EXPECT_EQ(system->residentLambda(id), 0);
-  EXPECT_LT(largest, 0.2 * total) << "one frame brings more than a fifth of the whole change";
+}
+
+TEST_F(MaterialSystemTest, ShowsAtOnceWhatArrivedUnseen) {
+  auto system = makeMaterials();
+  const MaterialId id = load(*system, fusedMaterial());  // its reference band fits into the floor
+  for (int frame = 0; frame < 10000 && system->stats().parts_resident < 1; ++frame) {
+    system->update(1.0f / 60);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  system->demand(id, 0);
+  system->update(1.0f / 60);
+  EXPECT_EQ(system->residentLambda(id), 2);
+}
+
+TEST_F(MaterialSystemTest, DrawsWithASmallAtlasWhereThereIsNoRoomForTheFullOne) {
+  auto small = makeMaterials({.atlas_size = kFirstAtlas});
+  const MaterialId a = load(*small, largeFused(6));
+  small->demand(a, 0);
+  small->finishLoading();
+  EXPECT_EQ(small->stats().parts_resident, 3);
+  const std::vector<glm::vec4> with_small = drawMaterial(*small, a, 0);
+
+  auto tight = makeMaterials({.budget_bytes = small->stats().resident_bytes + 1000});
+  const MaterialId b = load(*tight, largeFused(6));
+  tight->demand(b, 0);
+  tight->finishLoading();
+  EXPECT_EQ(tight->residentLambda(b), 0);
+  EXPECT_TRUE(drawMaterial(*tight, b, 0) == with_small);
+  EXPECT_GT(tight->stats().total_bytes, tight->stats().resident_bytes);
+}
+
+TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
+  auto small = makeMaterials({.atlas_size = kFirstAtlas}), system = makeMaterials({.release_seconds = 1});
+  const MaterialId a = load(*small, largeFused(6)), b = load(*system, largeFused(6));
+  small->demand(a, 0);
+  small->finishLoading();
+  system->demand(b, 0);
+  system->finishLoading();
+  EXPECT_EQ(system->stats().parts_resident, 4);
+  const uint64_t revision = system->geometryRevision();
+  for (int frame = 0; frame < 5; ++frame) {
+    system->demand(b, 1.5f);  // bands and geometry, but not so near that the full atlas would show
+    system->update(0.5f);
+  }
+  EXPECT_EQ(system->stats().parts_resident, 3);
+  EXPECT_NE(system->geometryRevision(), revision);
+  EXPECT_TRUE(drawMaterial(*system, b, 0) == drawMaterial(*small, a, 0));
+  system->demand(b, 0);
+  system->finishLoading();
+  EXPECT_EQ(system->stats().parts_resident, 4) << "and it comes back";
+}
+
+TEST_F(MaterialSystemTest, ReadsEveryPartOnce) {
+  const std::shared_ptr<const ByteSource> source = assetSource(largeFused(7));
+  auto system = makeMaterials();
+  Result<MaterialId> id = system->load(source, "once");
+  ASSERT_TRUE(id.ok());
+  const uint64_t header = system->stats().read_bytes;
+  system->update(0);
+  EXPECT_GE(system->stats().read_bytes, header);
+  const uint64_t opened = system->stats().read_bytes;
+  system->demand(*id, 0);
+  system->finishLoading();
+  Result<AssetFile> file = AssetFile::open(source, "once");
+  ASSERT_TRUE(file.ok());
+  EXPECT_EQ(system->stats().read_bytes - opened,
+            file->bandStoredBytes(0) + file->bandStoredBytes(1) + file->geometryStoredBytes())
+      << "the full atlas is built from the image that the small one was built from";
 }
 
 TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {
@@ -207,7 +290,7 @@ TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {
     system->demand(*id, 0);
     system->finishLoading();
     EXPECT_EQ(system->residentLambda(*id), 2);
-    EXPECT_EQ(system->stats().failed_parts, 2u) << "geometry and flat band were both asked for";
+    EXPECT_EQ(system->stats().failed_parts, 2u) << "geometry and flat band were both asked for, the full atlas was not";
     ASSERT_EQ(messages.size(), 2u);
     EXPECT_EQ(messages[0].severity, Severity::kWarning);
     EXPECT_EQ(messages[0].id, mode == BreakableSource::kVanished ? issue_id::kCannotRead : issue_id::kChunkChecksum);

@@ -103,6 +103,8 @@ void main() {
   hit.p = x + shift * below;
   hit.lambda = lambda;
   hit.depth = 0.0;
+  hit.tilt = vec2(0.0);
+  hit.missed = false;
   SHOW(loden_evaluate(m, hit, wi, wo));
 })";
 

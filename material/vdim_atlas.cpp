@@ -229,10 +229,14 @@ Texture buildVolume(const GeometryImage& image, int threads) {
 
 }  // namespace
 
-uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
+uint64_t vdimDepthBytes(VdimAtlasSize size) {
   const auto square = [](int side) { return uint64_t(side) * uint64_t(side); };
-  const uint64_t depth = textureBytes(TexelFormat::kR8Unorm, square(size.texels), 1, square(size.directions), 1);
-  const uint64_t maps = depth + textureBytes(TexelFormat::kRGBA8Unorm, square(image.side()), 1, 1, 1);
+  return textureBytes(TexelFormat::kR8Unorm, square(size.texels), 1, square(size.directions), 1);
+}
+
+uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
+  const auto side = uint64_t(image.side());
+  const uint64_t maps = vdimDepthBytes(size) + textureBytes(TexelFormat::kRGBA8Unorm, side * side, 1, 1, 1);
   if (image.identity_parameterization) return maps;
   return maps + textureBytes(TexelFormat::kRG16Snorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
 }

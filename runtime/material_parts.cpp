@@ -28,18 +28,14 @@ float parallaxEnd(const Material& material) {
   return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
 }
 
-uint64_t entries(VdimAtlasSize atlas) {
-  return uint64_t(atlas.texels) * uint64_t(atlas.texels) * uint64_t(atlas.directions) * uint64_t(atlas.directions);
-}
-
 PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize full) {
-  const VdimAtlasSize atlas = entries(full) > entries(kFirstAtlas) ? kFirstAtlas : full;
+  const VdimAtlasSize atlas = vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas) ? kFirstVdimAtlas : full;
   return {PartKind::kGeometry, 0, atlas, {vdimAtlasBytes(material.geometry, atlas), lambda_end}};
 }
 
 // The depths alone: image and volume stay those of the geometry part.
 PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
-  return {PartKind::kAtlas, 0, full, {entries(full), std::min(lambda_end, kFirstAtlasLambda), true}};
+  return {PartKind::kAtlas, 0, full, {vdimDepthBytes(full), std::min(lambda_end, kFirstAtlasLambda), true}};
 }
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
@@ -61,7 +57,7 @@ void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Looku
 }
 
 void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAtlasSize full) {
-  if (readsAtlas(lookup) && entries(full) > entries(kFirstAtlas)) parts.push_back(atlasPart(end, full));
+  if (readsAtlas(lookup) && vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas)) parts.push_back(atlasPart(end, full));
 }
 
 uint64_t bandGpuBytes(const Band& band) {
@@ -102,7 +98,7 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
     part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
-  if (size == kFirstAtlas) part.geometry = std::make_shared<GeometryImage>(std::move(*image));
+  if (size == kFirstVdimAtlas) part.geometry = std::make_shared<GeometryImage>(std::move(*image));
   return part;
 }
 

@@ -24,9 +24,6 @@ struct PartPlan {
   PartDesc desc;
 };
 
-// The atlas that comes with the geometry image: an eighth of the full one in bytes, a sixth in the time it takes to
-// build. Its mean error is up to twice the full one's, .65 texels at most (`loden study vdim-interpolation`).
-inline constexpr VdimAtlasSize kFirstAtlas{16, 12};
 // Above this lambda twice the error is still less than the full atlas has at lambda 0, in texels of what is shown.
 inline constexpr float kFirstAtlasLambda = 1;
 

@@ -222,7 +222,7 @@ TEST_F(MaterialSystemTest, ShowsAtOnceWhatArrivedUnseen) {
 }
 
 TEST_F(MaterialSystemTest, DrawsWithASmallAtlasWhereThereIsNoRoomForTheFullOne) {
-  auto small = makeMaterials({.atlas_size = kFirstAtlas});
+  auto small = makeMaterials({.atlas_size = kFirstVdimAtlas});
   const MaterialId a = load(*small, largeFused(6));
   small->demand(a, 0);
   small->finishLoading();
@@ -239,7 +239,7 @@ TEST_F(MaterialSystemTest, DrawsWithASmallAtlasWhereThereIsNoRoomForTheFullOne) 
 }
 
 TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
-  auto small = makeMaterials({.atlas_size = kFirstAtlas}), system = makeMaterials({.release_seconds = 1});
+  auto small = makeMaterials({.atlas_size = kFirstVdimAtlas}), system = makeMaterials({.release_seconds = 1});
   const MaterialId a = load(*small, largeFused(6)), b = load(*system, largeFused(6));
   small->demand(a, 0);
   small->finishLoading();

@@ -176,11 +176,11 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
 }
 
 // Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
-// the ray meets from behind, unless patient. found = (p, z, 1) where it converges, or else (p, z, 0) of the smallest
-// miss so far, `nearest`. What leaves the loop
+// the ray meets from behind, unless patient. found = (p, z, 1) where it converges, or else (p, z, -miss) of the smallest
+// miss so far. What leaves the loop
 // is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's values of
 // anything else, also to invocations that left before.
-void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found, inout float nearest) {
+void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found) {
   float n = loden_material.geometry.w;
   vec2 point = ray.x + loden_ray_offset(ray, z);
   int left = LODEN_PATCHES;
@@ -193,8 +193,7 @@ void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout ve
     int meeting = loden_meet_patch(patch_, shift, ray, n, ab, hit_z, miss);
     p = (base + ab + 0.5) / n;
     bool here = meeting == LODEN_HERE;
-    found = here || miss < nearest ? vec4(p + shift, hit_z, here ? 1.0 : 0.0) : found;
-    nearest = min(nearest, miss);
+    found = here || miss < -found.w ? vec4(p + shift, hit_z, here ? 1.0 : -miss) : found;
     left = here || (meeting == LODEN_AWAY && !patient) ? 0 : left - 1;
   } while (left > 0);
 }
@@ -248,13 +247,13 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   float z = loden_cluster_mean(depths, top - LODEN_CLUSTER * range, f, layers.weight);
   // Where no patch faces the ray the blended depth is near.
   vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, z), z);
-  vec4 found = vec4(p, z, 0.0);
-  float below = 1.0, nearest = 1e9, turning = -0.5 / max(ray.bend, 1e-6);
+  vec4 found = vec4(p, z, -1e9);
+  float below = 1.0, turning = -0.5 / max(ray.bend, 1e-6);
   bool patient = false;
   int ways_out = turning > -range ? LODEN_WAYS_OUT : 0;
   int left = LODEN_CANDIDATES + ways_out;
   do {
-    loden_search_from(ray, z, p, patient, found, nearest);
+    loden_search_from(ray, z, p, patient, found);
     float next = loden_highest_below(depths, below);
     bool exhausted = next < LODEN_NONE, leaves = exhausted && patient && ways_out > 0;
     left = found.w > 0.0 || (exhausted && patient && !leaves) ? 0 : left - 1;

@@ -58,6 +58,8 @@ struct VdimAtlas {
 uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size);
 // Of its depths alone.
 uint64_t vdimDepthBytes(VdimAtlasSize size);
+// What the runtime holds once it has built an atlas: the first one, where that is smaller, stays beside it.
+uint64_t residentAtlasBytes(const GeometryImage& image, VdimAtlasSize size);
 
 // Square of the concentric grid <-> view direction. The radius is atanh(sin theta) / atanh(sin kThetaMax),
 // dense towards grazing; directions beyond kThetaMax land on the rim.

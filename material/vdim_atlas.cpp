@@ -241,6 +241,11 @@ uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
   return maps + textureBytes(TexelFormat::kRG16Snorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
 }
 
+uint64_t residentAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
+  const uint64_t first = vdimDepthBytes(kFirstVdimAtlas);
+  return vdimAtlasBytes(image, size) + (vdimDepthBytes(size) > first ? first : 0);
+}
+
 template <class T>
 glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo) {
   const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);

@@ -1,5 +1,6 @@
-// Loden's shader library: evaluates one material. No dependency on any renderer; include this file (or paste
-// the files below before it, in this order).
+// Loden's shader library: evaluates one material. No dependency on any renderer; include this file, or paste what it
+// includes in its place. GLSL 4.20 or GLSL ES 3.20; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block holds
+// is said in loden_shared.h; runtime/material_data.cpp fills it.
 // Defines of a variant (runtime/shader_variants.h lists those in use):
 //   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
@@ -12,7 +13,7 @@
 //   LodenMaterial m = loden_material_default();
 //   loden_follow_surface(m, ...);                                          where the surface is curved
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
-//   radiance += irradiance * value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
+//   radiance += irradiance * loden_material.surface.z * loden_evaluate(m, h, wi_ts, wo_ts);   per light; z: value_scale
 // Light from all around: loden_environment.glsl, which this file includes.
 
 #include "loden_shared.h"

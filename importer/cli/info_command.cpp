@@ -31,11 +31,11 @@ Part partOf(const std::string& name, const Texture& texture, uint64_t stored_byt
   return {name, texelFormatName(texture.format), extentOf(texture), bytes, stored_bytes, bytes, lambda_first};
 }
 
-// The atlas is no part of the file: the runtime builds it, with a packed copy of the geometry.
+// No part of the file: the runtime builds a first and a full atlas, with a packed copy of the geometry.
 Part atlasPart(const GeometryImage& geometry) {
   const VdimAtlasSize size;
   return {"vdim atlas", "R8_UNORM", formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions), 0, 0,
-          vdimAtlasBytes(geometry, size), 0};
+          residentAtlasBytes(geometry, size), 0};
 }
 
 std::vector<Part> partsOf(const AssetFile& file) {

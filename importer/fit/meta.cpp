@@ -67,11 +67,8 @@ uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
   uint64_t bytes = rawFileBytes(material);
   for (const Band& band : material.bands) bytes += environmentTableBytes(band);  // made by the runtime
   if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
-  // The atlas holds a packed copy of the geometry, which itself does not go to the GPU. The first atlas stays beside the
-  // full one.
-  bytes += vdimAtlasBytes(material.geometry, atlas) - material.geometry.texels.data.size();
-  const uint64_t first = vdimDepthBytes(kFirstVdimAtlas);
-  return bytes + (vdimDepthBytes(atlas) > first ? first : 0);
+  // The atlas holds a packed copy of the geometry, which itself does not go to the GPU.
+  return bytes - material.geometry.texels.data.size() + residentAtlasBytes(material.geometry, atlas);
 }
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,

@@ -39,7 +39,7 @@ struct VdimAtlasSize {
 };
 
 // The atlas that the runtime shows first, until the full one is built: an eighth of it in bytes, a sixth in the time it
-// takes to build. Its mean error is up to twice the full one's, .65 texels at most (`loden study vdim-interpolation`).
+// takes to build. Its mean error is up to twice the full one's, .55 texels at most (`loden study vdim-interpolation`).
 inline constexpr VdimAtlasSize kFirstVdimAtlas{16, 12};
 
 // All that a lookup reads.

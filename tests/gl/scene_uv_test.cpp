@@ -96,7 +96,8 @@ TEST_F(SceneUvTest, MirroringTransformsMirrorThePicture) {
   EXPECT_LT(meanDifference(expected, actual), 1e-3);
 }
 
-// A mesh squeezed by its transform is the squeezed mesh: its tile is half as wide as long, and rays must know.
+// A mesh squeezed by its transform is the squeezed mesh. That rays follow stretched coordinates at all is what
+// VdimLookup.FollowsStretchedCoordinates and the parity of curved materials show.
 TEST_F(SceneUvTest, NonUniformScaleEqualsStretchedUvs) {
   Scene scaled = planeScene({0.3f, 0.2f, 1}), stretched = planeScene({0.3f, 0.2f, 1});
   scaled.instances[0].world_from_local[0][0] = 0.5f;

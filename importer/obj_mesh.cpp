@@ -33,6 +33,7 @@ class ObjReader {
   const fs::path path_;
   int line_ = 0;
   std::vector<glm::dvec3> positions_, normals_;
+  std::vector<int> position_lines_;
   std::vector<glm::dvec2> uvs_;
   std::map<std::string, LocalBrdf> materials_;
   LocalBrdf brdf_;
@@ -76,6 +77,7 @@ Status ObjReader::readLine(const std::string& keyword, std::istringstream& line)
     const auto xyz = numbers(line, 3, 3, here());
     if (!xyz) return xyz.issue();
     (keyword == "v" ? positions_ : normals_).push_back({(*xyz)[0], (*xyz)[1], (*xyz)[2]});
+    if (keyword == "v") position_lines_.push_back(line_);
   } else if (keyword == "vt") {
     const auto uv = numbers(line, 1, 2, here());
     if (!uv) return uv.issue();
@@ -113,6 +115,7 @@ Result<uint32_t> ObjReader::vertex(const std::string& corner) {
   const auto [entry, added] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
   if (added) {
     mesh_.positions.push_back(positions_[size_t(key[0] - 1)]);
+    mesh_.lines.push_back(position_lines_[size_t(key[0] - 1)]);
     mesh_.uvs.push_back(key[1] ? uvs_[size_t(key[1] - 1)] : glm::dvec2(0));
     mesh_.normals.push_back(key[2] ? normals_[size_t(key[2] - 1)] : glm::dvec3(0));
     mesh_.brdfs.push_back(brdf_);

@@ -183,6 +183,15 @@ Json materialExtension(int64_t asset, const PackOptions& options) {
   return extension;
 }
 
+// Every mesh part that wears the material needs the set of texture coordinates.
+Status checkTexCoords(const Json& scene, int material, const PackOptions& options) {
+  const std::string attribute = "TEXCOORD_" + std::to_string(options.tex_coord);
+  const std::vector<std::string> bare = primitivesWithout(scene, material, attribute);
+  if (bare.empty()) return {};
+  return extensionIssue(options.scene, bare.front() + " wears '" + options.material + "' and has no " + attribute +
+                                           "; unwrap the mesh, or name another set with --texcoord");
+}
+
 }  // namespace
 
 Result<PackReport> pack(const PackOptions& options) {
@@ -200,6 +209,10 @@ Result<PackReport> pack(const PackOptions& options) {
   if (!asset) return asset.issue();
   const auto index = findMaterial(document->json, options);
   if (!index) return index.issue();
+  if (const Status status = checkTexCoords(document->json, *index, options); !status) return status.issue();
+  std::error_code error;
+  if (const fs::path folder = fs::absolute(options.output).parent_path(); !fs::is_directory(folder, error))
+    return Issue{issue_id::kCannotWrite, Severity::kError, options.output.string(), "the folder is not there; make it first"};
 
   PackReport report;
   report.material = *index;

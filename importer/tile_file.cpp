@@ -81,16 +81,20 @@ void repairNonFinite(PolygonMesh& mesh) {
     if (!isFinite(brdf)) brdf = LocalBrdf();
 }
 
+std::string vertexName(const PolygonMesh& mesh, size_t v) {
+  return mesh.lines.empty() ? "vertex " + std::to_string(v) : "the vertex of line " + std::to_string(mesh.lines[v]);
+}
+
 Status makeFinite(PolygonMesh& mesh, const std::string& where, RepairLog* repairs) {
   BadVertices bad = findNonFinite(mesh);
   if (bad.count == 0) return {};
   if (repairs) {
-    repairs->add(where, bad.count, "vertex " + std::to_string(bad.first));
+    repairs->add(where, bad.count, vertexName(mesh, bad.first));
     repairNonFinite(mesh);
     bad = findNonFinite(mesh);
     if (bad.count == 0) return {};
   }
-  return refuse(issue_id::kTileNonFinite, where + ": vertex " + std::to_string(bad.first),
+  return refuse(issue_id::kTileNonFinite, where + ": " + vertexName(mesh, bad.first),
                 std::to_string(bad.count) + " of " + std::to_string(mesh.positions.size()) + " vertices hold values that are not finite" +
                     (repairs ? " and have no neighbour to repair them from" : "; repair the mesh, or let --fix-nonfinite do it"));
 }

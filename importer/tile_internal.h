@@ -24,6 +24,7 @@ struct PolygonMesh {
   std::vector<LocalBrdf> brdfs;     // per vertex
   std::vector<int> face_sizes;      // corners per face
   std::vector<uint32_t> corners;    // vertex of each corner, face by face
+  std::vector<int> lines;           // where the file is text: the line of each vertex's position, from 1; else empty
 };
 
 Result<PolygonMesh> readGltfMesh(const std::filesystem::path& path);

@@ -186,13 +186,8 @@ class SceneCheck {
       return;
     }
     const std::string attribute = "TEXCOORD_" + std::to_string(set);
-    for (size_t m = 0; m < arraySize(json_, "meshes"); ++m)
-      for (size_t p = 0; p < arraySize(json_["meshes"][m], "primitives"); ++p) {
-        const Json& primitive = json_["meshes"][m]["primitives"][p];
-        if (integerMember(primitive, "material") != material) continue;
-        if (!primitive.contains("attributes") || !primitive["attributes"].contains(attribute))
-          add(issue_id::kGltfExtension, at("meshes", m) + "." + at("primitives", p), "has no " + attribute + ", which its material asks for");
-      }
+    for (const std::string& primitive : primitivesWithout(json_, material, attribute))
+      add(issue_id::kGltfExtension, primitive, "has no " + attribute + ", which its material asks for");
   }
 
   void checkDeclared() {

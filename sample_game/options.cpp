@@ -18,6 +18,14 @@ const std::map<std::string, SurfaceKind> kSurfaces{
 
 constexpr int kMaxSide = 16384;
 
+// One of the names; help shows them as they are typed.
+template <class Value>
+CLI::Validator oneOf(const std::map<std::string, Value>& names) {
+  std::string list;
+  for (const auto& [name, value] : names) list += (list.empty() ? "" : "|") + name;
+  return CLI::CheckedTransformer(names).description("{" + list + "}");
+}
+
 // "WxH"; an empty string if it is one, else what is wrong.
 std::string parseSize(const std::string& text, glm::ivec2& size) {
   char rest = 0;
@@ -38,38 +46,45 @@ std::string parseLight(const std::string& text, std::optional<glm::dvec2>& light
 void addInput(CLI::App& app, Options& options, std::string& light) {
   app.add_option("scene", options.scene, "Scene to walk through (.gltf, .glb)");
   auto* asset = app.add_option("--asset", options.asset, "Asset to show on a surface instead (.loden)");
-  app.add_option("--surface", options.surface, "plane, cylinder or sphere")
-      ->transform(CLI::CheckedTransformer(kSurfaces))
+  app.add_option("--surface", options.surface, "What shows the asset")
+      ->transform(oneOf(kSurfaces))
+      ->type_name("NAME")
+      ->default_str("plane")
       ->needs(asset);
   app.add_option("--light", light, "Direction of the light on the surface: THETA,PHI in degrees")
+      ->default_str("30,0")
       ->needs(asset)
       ->check([&](const std::string& text) { return parseLight(text, options.light); });
   app.add_option("--environment", options.environment, "Light from all around: a lat-long panorama (.hdr); on a surface, instead of --light unless that is given too");
-  app.add_option("--camera", options.camera, "Camera (JSON: position, target, up, fov_degrees)");
-  app.add_option("--script", options.script, "Camera path (JSON: keyframes of t, position, target)");
+  app.add_option("--camera", options.camera, "Camera (JSON: position, target, up, fov_degrees); without one the scene's first, or one that sees all of it");
+  app.add_option("--script", options.script, "Camera path (JSON: keyframes of t, position, target); without one the camera of a headless walk stands still");
 }
 
 void addOutput(CLI::App& app, Options& options, std::string& size) {
-  app.add_flag("--headless", options.headless, "No window");
-  app.add_option("--size", size, "Picture size, WxH")->check([&](const std::string& text) {
+  app.add_flag("--headless", options.headless, "No window, and no display needed");
+  app.add_option("--size", size, "Picture size, WxH")->default_str("800x600")->check([&](const std::string& text) {
     return parseSize(text, options.size);
   });
-  app.add_option("--frames", options.frames, "Number of frames; the path is spread over them")->check(CLI::Range(1, 1000000));
+  app.add_option("--frames", options.frames, "Number of frames, over which the path is spread; without it one if headless, else until the window is closed")->check(CLI::Range(1, 1000000));
   app.add_option("--capture", options.capture, "Folder for one PNG per frame");
   app.add_option("--contact-sheet", options.contact_sheet, "One PNG with frames from the whole walk");
   app.add_option("--report", options.report, "Times, bytes and counts per frame (JSON)");
   app.add_flag("-q,--quiet", options.quiet, "No progress");
   auto* doctor = app.add_flag("--doctor", options.doctor, "Only tell what OpenGL offers here and what it lacks");
-  app.add_option("--format", options.json, "Of --doctor: text or json")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"text", false}, {"json", true}}))
+  app.add_option("--format", options.json, "Of --doctor")
+      ->transform(oneOf(std::map<std::string, bool>{{"text", false}, {"json", true}}))
+      ->type_name("NAME")
+      ->default_str("text")
       ->needs(doctor);
 }
 
 void addRuntime(CLI::App& app, Options& options) {
-  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials")->check(CLI::Range(0.0, 1e6));
-  app.add_option("--upload-kb", options.upload_kb, "Upload per frame")->check(CLI::Range(0.0, 1e9));
-  app.add_option("--mode", options.mode, "full, fallback, normal-map, paper or no-lod")
-      ->transform(CLI::CheckedTransformer(kModes));
+  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials, MiB")->check(CLI::Range(0.0, 1e6))->capture_default_str();
+  app.add_option("--upload-kb", options.upload_kb, "Upload per frame, KiB")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  app.add_option("--mode", options.mode, "full: everything; fallback: glTF's own materials; normal-map: surface assets without their VDIM; paper: the published lookup, where stored; no-lod: always lambda 0")
+      ->transform(oneOf(kModes))
+      ->type_name("NAME")
+      ->default_str("full");
   app.add_option("--lambda", options.lambda, "Level of detail everywhere, instead of the footprint's")
       ->check(CLI::Range(0.0, 32.0));
   app.add_flag("--parallax-depth", options.parallax_depth, "Depth, shadows and lamps at the displaced surface");

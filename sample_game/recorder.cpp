@@ -42,8 +42,13 @@ Status Recorder::addPixels(int frame, std::span<const glm::u8vec4> pixels) {
 Status Recorder::finish() {
   if (sheet_)
     if (Status status = runtime::writePng(options_.contact_sheet, sheet_->pixels(), sheet_->size()); !status) return status;
-  if (options_.report.empty()) return {};
-  return writeReport(options_.report, report_, options_);
+  if (!options_.report.empty())
+    if (Status status = writeReport(options_.report, report_, options_); !status) return status;
+  if (options_.quiet) return {};
+  if (!options_.capture.empty()) std::printf("frames: %s\n", options_.capture.c_str());
+  if (sheet_) std::printf("contact sheet: %s\n", options_.contact_sheet.c_str());
+  if (!options_.report.empty()) std::printf("report: %s\n", options_.report.c_str());
+  return {};
 }
 
 }  // namespace loden::walk

@@ -24,7 +24,7 @@ class Recorder {
   Status addPixels(int frame, std::span<const glm::u8vec4> pixels);
   void addFrame(FrameRecord record) { report_.frames.push_back(std::move(record)); }
   Report& report() { return report_; }
-  // Writes the sheet and the report.
+  // Writes the sheet and the report, and says on standard output what was written where.
   Status finish();
 
  private:

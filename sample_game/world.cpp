@@ -128,13 +128,19 @@ Result<World> makeWorld(const Options& options) {
   const Result<Scene> scene = makeScene(options);
   if (!scene) return scene.issue();
   for (const Issue& note : scene->notes) printIssue(note);
+  if (scene->assets.empty() && !options.quiet)
+    std::fprintf(stderr, "loden_walk: %s has no Loden material, its own are drawn; loden pack adds one\n", options.scene.c_str());
   Result<std::optional<Environment>> environment = makeEnvironment(options);
   if (!environment) return environment.issue();
   Result<CameraPath> path = makePath(options, *scene);
   if (!path) return path.issue();
 
   auto device = Device::create(deviceOptions(options));
-  if (!device) return device.issue();
+  if (!device) {
+    Issue issue = device.issue();
+    if (!options.headless) issue.text += "; without a display, draw with --headless";
+    return issue;
+  }
   auto shaders = std::make_unique<ShaderLibrary>(**device, ShaderLibraryOptions{options.shader_cache});
   auto materials = MaterialSystem::create(**device, materialOptions(options));
   if (!materials) return materials.issue();

@@ -81,8 +81,10 @@ class BakeCommand : public Command {
     bake_.quiet = globals.quiet;
     if (fix_nonfinite_) repairs_ = std::make_shared<RepairLog>();
     const auto tile = loadTile(tile_, {subdivide_, repairs_});
+    noteRepairs(globals, repairs_.get());  // of a tile that is refused for something else, too
     if (!tile) return fail(tile.issue());
-    noteRepairs(globals, repairs_.get());
+    if (std::error_code error; !bake_.resume && bake_.shards == 1 && std::filesystem::exists(output_ / "bake.json", error))
+      note(globals, output_.string() + ": the finished bake that stands here is replaced");
     const auto report = bake(*tile, tile_, output_, bake_);
     if (!report) return fail(report.issue());
     if (layout_ == "bonn")

@@ -63,6 +63,8 @@ class CompareCommand : public Command {
     const bool pictures = inputKind(reference_) == InputKind::kPicture;
     if (pictures != (inputKind(test_) == InputKind::kPicture))
       return failUsage("a picture can be compared with a picture only; `loden extract` makes one of a material");
+    if (inputKind(reference_) == InputKind::kAsset && inputKind(test_) == InputKind::kBakedOutput)
+      return failUsage("a baked output is the reference for an asset: name it first");
     return pictures ? runPictures(globals) : runMaterials(globals);
   }
 

@@ -54,8 +54,8 @@ class CookCommand : public Command {
     const auto start = std::chrono::steady_clock::now();
     if (fix_nonfinite_) repairs_ = std::make_shared<RepairLog>();
     auto material = cookInput(globals);
+    noteRepairs(globals, repairs_.get());  // of an input that is refused for something else, too
     if (!material) return fail(material.issue());
-    noteRepairs(globals, repairs_.get());
     if (!name_.empty()) material->name = name_;
     const Status written = [&] {
       const CommitScope commit;
@@ -153,7 +153,9 @@ class CookCommand : public Command {
       printText("no trade was measured: give --max-bytes or --target-rmse with --mode fused\n");
       return;
     }
-    std::string text = formatted("%12s %5s %6s %5s %9s %12s %10s\n", "Y components", "phis", "flat x", "bits", "geometry", "bytes", "RMSE of Y");
+    std::string text = "trade, measured with shortened fits (the asset's own error stands above). phis: columns of the flat map's direction grid;\n"
+                       "flat x: its texels to one of the reference; geometry: texels per side of the geometry image\n";
+    text += formatted("%12s %5s %6s %5s %9s %12s %10s\n", "Y components", "phis", "flat x", "bits", "geometry", "bytes", "RMSE of Y");
     for (const auto& point : meta["trade"])
       text += formatted("%12d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("phis", 0),
                         point.value("flat_scale", 0.0), point.value("bits", 0), point.value("geometry_side", 0),

@@ -40,6 +40,11 @@ std::string outputOf(const std::filesystem::path& program) {
   return !failed && status == 0 ? text : std::string();
 }
 
+std::string valueText(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_array() && value.empty() ? "nothing" : value.dump();
+}
+
 class DoctorCommand : public Command {
  public:
   std::string_view name() const override { return "doctor"; }
@@ -64,7 +69,7 @@ class DoctorCommand : public Command {
     for (const auto& [what, value] : systemFacts()) text += formatted("%-24s %s\n", what.c_str(), value.c_str());
     if (gl.is_object())
       for (const auto& [key, value] : gl.items())
-        if (key != "schema") text += formatted("%-24s %s\n", key.c_str(), value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+        if (key != "schema") text += formatted("%-24s %s\n", key.c_str(), valueText(value).c_str());
     for (const std::string& what : missing) text += "missing: " + what + "\n";
     printText(text);
     return kExitOk;

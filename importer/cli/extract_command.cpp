@@ -112,11 +112,18 @@ class ExtractCommand : public Command {
     report_["width"] = picture->width;
     report_["height"] = picture->height;
     if (globals.json) printJson("extract", report_);
-    else printText(formatted("%s: %d x %d\n", output_.c_str(), picture->width, picture->height));
+    else printText(formatted("%s: %d x %d\n", output_.c_str(), picture->width, picture->height) + directionsText());
     return kExitOk;
   }
 
  private:
+  // Of a baked output's slice the sampled directions, which need not be those asked for.
+  std::string directionsText() const {
+    if (report_.value("kind", "") != "true") return {};
+    const auto angles = [this](const char* key) { return formatted("%.2f, %.2f", report_[key][0].get<double>(), report_[key][1].get<double>()); };
+    return "nearest samples: light " + angles("light") + ", view " + angles("view") + " degrees (theta, phi)\n";
+  }
+
   void reportDirection(const char* key, const glm::dvec3& w) {
     const Spherical s = sphericalFromDirection(w);
     report_[key] = {s.theta * kDegrees, s.phi * kDegrees};

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
 #include "material/asset.h"
 #include "material/environment.h"
@@ -112,6 +113,10 @@ class InfoCommand : public Command {
   }
 
   int run(const GlobalOptions& globals) override {
+    const InputKind kind = inputKind(path_);
+    const auto wrong = [&](const char* text) { return fail({issue_id::kMagic, Severity::kError, path_.string(), text}); };
+    if (kind == InputKind::kGltf) return wrong("is a scene; `loden validate` looks at it and at its assets");
+    if (kind == InputKind::kBakedOutput) return wrong("is a baked output; `loden cook` makes an asset of it");
     auto bytes = readWholeFile(path_);
     if (!bytes) return fail(bytes.issue());
     const std::span<const std::byte> view = std::as_bytes(std::span(*bytes));

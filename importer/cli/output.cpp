@@ -44,7 +44,7 @@ void note(const GlobalOptions& globals, const std::string& text) {
 
 void noteRepairs(const GlobalOptions& globals, const RepairLog* repairs) {
   if (repairs && repairs->count() > 0)
-    note(globals, "repaired " + withThousands(repairs->count()) + " values that are not finite, the first of " + repairs->first());
+    note(globals, "repaired what was not finite: " + withThousands(repairs->count()) + ", first " + repairs->first());
 }
 
 nlohmann::ordered_json repairsJson(const RepairLog* repairs) {

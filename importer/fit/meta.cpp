@@ -1,6 +1,7 @@
 #include "importer/fit/meta.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "importer/fit/lookup_error.h"
@@ -57,6 +58,12 @@ nlohmann::ordered_json lookupMeta(const Material& material) {
   return json;
 }
 
+// Without its folder: where an input lies must not change an asset's bytes.
+std::string inputName(const std::string& input) {
+  const std::filesystem::path path(input);
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
 }  // namespace
 
 uint64_t rawFileBytes(const Material& material) {
@@ -75,7 +82,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
                      const BtfError* error, const std::vector<TradePoint>& trade) {
   nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
                                  {"preset", preset},
-                                 {"input", input},
+                                 {"input", inputName(input)},
                                  {"components", componentsText(material)},
                                  {"coefficient_bytes", bandBytes(material)},
                                  {"raw_bytes", rawFileBytes(material)},

@@ -16,7 +16,7 @@ uint64_t rawFileBytes(const Material& material);
 // Bytes resident when drawn at lambda 0 with an atlas of this size.
 uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas);
 
-// {"mode", "preset", "components": "8,2,2", "input", "coefficient_bytes", "raw_bytes", "gpu_bytes",
+// {"mode", "preset", "components": "8,2,2", "input" (without its folder), "coefficient_bytes", "raw_bytes", "gpu_bytes",
 //  "error": {"y": {"rmse", "mse", "mae"}, "cb": ..., "cr": ...},
 //  "lookup": {"geometry_side", "atlas_texels", "atlas_directions", "bytes", "fast": {"mean_texels", "over_1_texel",
 //  "fetches"}, "default": ...} (lookup_error.h) where the material has geometry that is looked up,

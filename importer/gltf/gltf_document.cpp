@@ -167,6 +167,18 @@ size_t arraySize(const nlohmann::ordered_json& object, const char* key) {
   return member != object.end() && member->is_array() ? member->size() : 0;
 }
 
+std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material, const std::string& attribute) {
+  std::vector<std::string> places;
+  for (size_t m = 0; m < arraySize(scene, "meshes"); ++m)
+    for (size_t p = 0; p < arraySize(scene["meshes"][m], "primitives"); ++p) {
+      const auto& primitive = scene["meshes"][m]["primitives"][p];
+      if (integerMember(primitive, "material") != material) continue;
+      if (!primitive.contains("attributes") || !primitive["attributes"].contains(attribute))
+        places.push_back("meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "]");
+    }
+  return places;
+}
+
 Result<std::filesystem::path> confinedPath(const std::string& uri, const std::string& where) {
   const std::string decoded = percentDecoded(uri);
   const std::filesystem::path path = std::filesystem::path(decoded).lexically_normal();

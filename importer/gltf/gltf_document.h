@@ -34,6 +34,8 @@ std::vector<Issue> wrongTypes(const nlohmann::ordered_json& scene, const std::st
 int64_t integerMember(const nlohmann::ordered_json& object, const char* key);
 // Elements of an array member; 0 if there is no such array.
 size_t arraySize(const nlohmann::ordered_json& object, const char* key);
+// Places ("meshes[0].primitives[1]") of what wears the material and lacks the vertex attribute.
+std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material, const std::string& attribute);
 
 // A uri of the document as a path below its folder. Refuses schemes, absolute paths and "..".
 Result<std::filesystem::path> confinedPath(const std::string& uri, const std::string& where);

@@ -179,6 +179,22 @@ TEST(Pack, UnknownMaterial_NamesTheKnownOnes) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "out.gltf"));
 }
 
+TEST(Pack, TexCoordsThatAMeshLacks_AreRefusedByPlace) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun run = packTo(scratch, "out.gltf", {"--texcoord", "3"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("meshes[0].primitives[0]"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out.gltf"));
+}
+
+TEST(Pack, MissingFolder_IsRefused) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  EXPECT_EQ(packTo(scratch, "none/out.gltf").exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "none"));
+}
+
 TEST(Pack, BrokenAsset_IsRefused) {
   const ScratchFolder scratch;
   writeScene(scratch.path());

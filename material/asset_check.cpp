@@ -221,6 +221,11 @@ class MaterialCheck {
     }
     issues_.require(geometry.side() <= int{Limits::kMaxGeometrySide}, issue_id::kLimit, "HEAD, geometry image",
                     "the side is above ", Limits::kMaxGeometrySide);
+    const VdimAtlasSize& atlas = m_.atlas;
+    issues_.require(within(atlas.texels, 1, Limits::kMaxAtlasTexels) && within(atlas.directions, 1, Limits::kMaxAtlasDirections),
+                    kMapField, "HEAD, geometry image", "an atlas of ", atlas.texels, " x ", atlas.directions,
+                    " texels and directions per side; they are in 1..", Limits::kMaxAtlasTexels, " and 1..",
+                    Limits::kMaxAtlasDirections);
   }
 
   void checkVdim(const PaperVdim& vdim) {

@@ -53,6 +53,7 @@ void writeMaps(ByteWriter& out, const Material& material) {
     out.u32(static_cast<uint32_t>(geometry.side()));
     for (int axis = 0; axis < 3; ++axis) out.f32(geometry.range[axis]);
     out.u32(geometry.identity_parameterization ? 1 : 0);
+    for (const int count : {material.atlas.texels, material.atlas.directions}) out.u32(static_cast<uint32_t>(count));
   }
   if (material.stored_vdim) {
     const PaperVdim& vdim = *material.stored_vdim;
@@ -209,7 +210,11 @@ class HeaderReader {
   }
 
   void readMaps(Material& material, uint32_t parts) {
-    if ((parts & kPartGeometry) != 0) material.geometry = readGeometry();
+    if ((parts & kPartGeometry) != 0) {
+      material.geometry = readGeometry();
+      material.atlas.texels = integer();
+      material.atlas.directions = integer();
+    }
     if ((parts & kPartStoredVdim) != 0) material.stored_vdim = readVdim();
     if ((parts & kPartSurface) != 0) material.surface = readSurface();
   }

@@ -200,9 +200,9 @@ const char* modeName(Mode mode) {
   return "unknown";
 }
 
-Evaluator::Evaluator(const Material& material, VdimAtlasSize atlas_size, int threads) : material_(&material) {
+Evaluator::Evaluator(const Material& material, int threads) : material_(&material) {
   if (!material.geometry.empty() && material.mode != Mode::kLod)
-    atlas_ = buildVdimAtlas(material.geometry, atlas_size, threads);
+    atlas_ = buildVdimAtlas(material.geometry, material.atlas, threads);
   if (material.lights.size() > 0) nearest_light_ = nearestDirectionLookup(material.lights, kNearestLookupSide);
   if (material.views.size() > 0) nearest_view_ = nearestDirectionLookup(material.views, kNearestLookupSide);
 }

@@ -40,10 +40,12 @@ T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo);
 template <class T>
 T cosineFactor(const Material& material, const glm::vec<3, T>& wi, const glm::vec<2, T>& tilt = glm::vec<2, T>(0));
 
-// Keeps what is derived from a material: VDIM atlas, nearest-direction images. The material must outlive it.
+// Keeps what is derived from a material: VDIM atlas (of Material::atlas), nearest-direction images. The material must
+// outlive it.
 class Evaluator {
  public:
-  explicit Evaluator(const Material& material, VdimAtlasSize atlas_size = {}, int threads = 0);
+  // With `threads` threads (0: all); the result does not depend on their number.
+  explicit Evaluator(const Material& material, int threads = 0);
 
   const Material& material() const { return *material_; }
   const VdimAtlas& atlas() const { return atlas_; }

@@ -46,6 +46,7 @@ struct Material {
   DirectionSet lights, views;    // of nearest-layout tables; empty otherwise
   std::vector<Band> bands;       // finest first; the file stores them coarsest first
   GeometryImage geometry;        // empty if the material has no meso-geometry
+  VdimAtlasSize atlas;           // of the lookup on it that flat bands were fitted through; without geometry unused
   std::optional<PaperVdim> stored_vdim;  // for folders baked elsewhere without geometry, and FBTF as published
   std::optional<SurfaceMaps> surface;
   std::string meta_json;         // how it was cooked and what error was measured; free text for the reader

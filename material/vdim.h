@@ -30,16 +30,17 @@ struct PaperVdim {
   glm::vec2 range{1, 1};  // tile periods
 };
 
-// Texels x directions of the atlas; bytes = texels^2 * directions^2 + volume + packed geometry. Measured over
-// splits of .45 MB: few directions cost missed occluders, few texels long searches.
+// Texels x directions of the atlas; bytes = texels^2 * directions^2 + volume + packed geometry. Few directions cost
+// missed occluders, few texels long searches; which split is best depends on the tile, so an asset names its own
+// (Material::atlas). By default one that is good for all of them, .45 MB with the rest.
 struct VdimAtlasSize {
   int texels = 28;
   int directions = 20;
   friend bool operator==(VdimAtlasSize, VdimAtlasSize) = default;
 };
 
-// The atlas that the runtime shows first, until the full one is built: an eighth of it in bytes, a sixth in the time it
-// takes to build. Its mean error is up to twice the full one's, .55 texels at most (`loden study vdim-interpolation`).
+// The atlas that the runtime shows first, until the full one is built: a tenth of it in bytes, a seventh in the time it
+// takes to build. Its mean error is 1.5 to 2.7 times the full one's, .55 texels at most (`loden study vdim-interpolation`).
 inline constexpr VdimAtlasSize kFirstVdimAtlas{16, 12};
 
 // All that a lookup reads.

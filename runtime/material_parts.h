@@ -24,7 +24,7 @@ struct PartPlan {
   PartDesc desc;
 };
 
-// Above this lambda twice the error is still less than the full atlas has at lambda 0, in texels of what is shown.
+// Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is at lambda 0.
 inline constexpr float kFirstAtlasLambda = 1;
 
 // Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.

@@ -49,7 +49,7 @@ Status checkOptions(const MaterialSystemOptions& options) {
   const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
   if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
   if (!(options.release_seconds > 0)) return issue("release_seconds must be above 0");
-  if (options.atlas_size.texels < 1 || options.atlas_size.directions < 1)
+  if (options.atlas_size && (options.atlas_size->texels < 1 || options.atlas_size->directions < 1))
     return issue("atlas_size must be at least 1 texel and 1 direction");
   return {};
 }
@@ -135,7 +135,7 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   const auto file = std::make_shared<const AssetFile>(std::move(*opened));
   Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
   if (!variant) return variant.issue();
-  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, impl.options.atlas_size);
+  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, impl.options.atlas_size.value_or(file->skeleton().atlas));
   if (Status status = checkExtents(file->skeleton(), plan, impl.device->capabilities()); !status)
     return status.issue();
   std::vector<PartDesc> descs;

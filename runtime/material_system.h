@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "material/asset.h"
@@ -29,7 +30,8 @@ struct MaterialSystemOptions {
   float fade_levels_per_second = 4;             // of detail that arrives in view, and a fifteenth of a level per frame
   float release_seconds = 3;                    // what nobody has demanded for longer goes even where there is room
   Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM
-  VdimAtlasSize atlas_size{};                   // at most; what the budget has no room for is drawn with a small one
+  // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with a small one.
+  std::optional<VdimAtlasSize> atlas_size = {};
   int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
 };
 

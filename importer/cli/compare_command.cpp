@@ -137,7 +137,7 @@ class CompareCommand : public Command {
     auto material = readAsset(path);
     if (!material) return material.issue();
     loaded.material = std::move(*material);
-    loaded.evaluator.emplace(*loaded.material, VdimAtlasSize{}, globals.threads);
+    loaded.evaluator.emplace(*loaded.material, globals.threads);
     const Lookup lookup = lookup_ == "fast" ? Lookup::kFast : lookup_ == "paper" ? Lookup::kPaper
                           : lookup_ == "none" ? Lookup::kNone : Lookup::kDefault;
     const double lambda = side > 0 ? compare_.level : 0;  // the reference is averaged from full resolution

@@ -132,7 +132,7 @@ class ExtractCommand : public Command {
   Result<Picture> assetSlice(const glm::dvec3& light, const glm::dvec3& view, const GlobalOptions& globals) {
     const auto material = readAsset(input_);
     if (!material) return material.issue();
-    const Evaluator evaluator(*material, {}, globals.threads);
+    const Evaluator evaluator(*material, globals.threads);
     const Lookup lookup = lookup_ == "fast" ? Lookup::kFast : lookup_ == "paper" ? Lookup::kPaper
                           : lookup_ == "none" ? Lookup::kNone : Lookup::kDefault;
     const int side = side_ > 0 ? side_ : std::max(1, material->side >> std::min(31, static_cast<int>(lambda_)));

@@ -33,10 +33,10 @@ Part partOf(const std::string& name, const Texture& texture, uint64_t stored_byt
 }
 
 // No part of the file: the runtime builds a first and a full atlas, with a packed copy of the geometry.
-Part atlasPart(const GeometryImage& geometry) {
-  const VdimAtlasSize size;
+Part atlasPart(const Material& material) {
+  const VdimAtlasSize size = material.atlas;
   return {"vdim atlas", "R8_UNORM", formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions), 0, 0,
-          residentAtlasBytes(geometry, size), 0};
+          residentAtlasBytes(material.geometry, size), 0};
 }
 
 std::vector<Part> partsOf(const AssetFile& file) {
@@ -45,7 +45,7 @@ std::vector<Part> partsOf(const AssetFile& file) {
   if (material.geometry.texels.width > 0) {
     parts.push_back(partOf("geometry", material.geometry.texels, file.geometryStoredBytes()));
     parts.back().gpu_bytes = 0;
-    parts.push_back(atlasPart(material.geometry));
+    parts.push_back(atlasPart(material));
   }
   for (size_t b = material.bands.size(); b-- > 0;) {
     const Band& band = material.bands[b];

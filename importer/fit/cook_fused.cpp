@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "importer/charts.h"
@@ -134,11 +135,15 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   m.side = btf.side();
   m.value_scale = static_cast<float>(1 / kPi);
   m.geometry = geometry;
+  AtlasChoice atlas;
+  if (plan.atlas) atlas.size = *plan.atlas;
+  else atlas = chooseAtlas(geometry, m.side, threads);
+  m.atlas = atlas.size;
   m.theta_max = gridFor(source.lights()).theta_max;
   Matrix means = imageMeans(btf, threads);
   m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
 
-  const Evaluator lookup(m, {}, threads);
+  const Evaluator lookup(m, threads);
   const Indirection a = makeIndirection(
       btf.side(), flatSide(plan, btf.side()), source.views(),
       [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
@@ -148,7 +153,7 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   const Band& last = m.bands.back();
   m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
   const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads);
-  return {std::move(m), error};
+  return {std::move(m), error, std::move(atlas.trials)};
 }
 
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
@@ -194,9 +199,12 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
     if (!baked) return baked.issue();
     const Goal goal{options.max_bytes, options.target_rmse, options.levels};
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
+    std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image
     const auto trial = [&](FusedPlan candidate) -> Result<double> {
       const auto image = geometry(candidate.geometry_side);
       if (!image) return image.issue();
+      if (!atlases.contains(image->side())) atlases[image->side()] = chooseAtlas(*image, btf->side(), options.threads).size;
+      candidate.atlas = atlases[image->side()];
       candidate.sweeps = kTrialSweeps;
       candidate.coarse_y = 0;
       const double rmse = fitFused(source, *btf, *image, candidate, options.threads).error.channel[0].rmse();
@@ -212,7 +220,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   const auto image = geometry(plan.geometry_side);
   if (!image) return image.issue();
   FusedFit fit = fitFused(source, *btf, *image, plan, options.threads);
-  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured);
+  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured, fit.atlases);
   return std::move(fit.material);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "importer/charts.h"
+#include "importer/fit/atlas_choice.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
@@ -81,6 +82,9 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
   auto geometry = geometryOf(input, 0);
   if (!geometry) return geometry.issue();
   m.geometry = std::move(*geometry);
+  AtlasChoice atlas;
+  if (!m.geometry.empty()) atlas = chooseAtlas(m.geometry, m.side, options.threads);
+  m.atlas = atlas.size;
   m.surface = surfaceMaps(*baked, manifest.flat_size, chartOwners(manifest.flat_size, m.geometry));
   m.lambda_max = static_cast<float>(m.surface->diffuse.mips - 1);
   // As published the indirection map itself is stored; it is also the only one where there is no geometry.
@@ -91,7 +95,7 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
     m.stored_vdim = packPaperVdim(*vdim, manifest.size, size.x, size.y);
   }
   if (const Status status = fitMean(input, options, m); !status.ok()) return status.issue();
-  m.meta_json = cookMeta(m, manifest.tile, presetName(options.preset), nullptr);
+  m.meta_json = cookMeta(m, manifest.tile, presetName(options.preset), nullptr, {}, atlas.trials);
   return m;
 }
 

@@ -1,6 +1,10 @@
 // What a fused asset is made of: the choices that trade bytes for error.
 #pragma once
 
+#include <optional>
+#include <vector>
+
+#include "importer/fit/atlas_choice.h"
 #include "importer/fit/band_pack.h"
 #include "importer/fit/indirection.h"
 #include "importer/fit/measure.h"
@@ -19,6 +23,7 @@ struct FusedPlan {
   int levels = 0;             // finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average
   int geometry_side = 0;      // of the geometry image; 0: as baked
   int sweeps = 6;             // of the joint fit
+  std::optional<VdimAtlasSize> atlas = {};  // of the lookup that is fitted through; empty: chosen by measuring (atlas_choice.h)
 };
 
 // Flat texels along one side, for a reference side.
@@ -27,6 +32,7 @@ int flatSide(const FusedPlan& plan, int side);
 struct FusedFit {
   Material material;
   BtfError error;  // at lambda 0, sampled directions, through the shader's default lookup
+  std::vector<AtlasTrial> atlases;  // that were measured, if the plan names none
 };
 
 // `geometry` is already at plan.geometry_side. Deterministic at any number of threads.

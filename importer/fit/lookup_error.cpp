@@ -2,46 +2,57 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "importer/parallel.h"
 #include "importer/random.h"
+#include "material/geometry_image.h"
 
 namespace loden::importer {
 namespace {
 
-constexpr size_t kBlocks = 64, kPerBlock = 256;
+constexpr size_t kBlocks = 64, kPerBlock = 1024;
 
 struct Sum {
   double texels = 0, over = 0, fetches = 0;
-  size_t count = 0;
 };
-
-Sum measureBlock(const Material& material, const VdimAtlas& atlas, const GeometryTracer& tracer, VdimTier tier, uint64_t seed) {
-  Sum sum;
-  for (uint64_t k = 0; k < kPerBlock; ++k) {
-    const double z = 1 - uniform(seed, 4 * k) * (1 - std::cos(kThetaMax));
-    const glm::dvec3 wo = directionFromSpherical({std::acos(z), 2 * kPi * uniform(seed, 4 * k + 1)});
-    const glm::dvec2 x{uniform(seed, 4 * k + 2), uniform(seed, 4 * k + 3)};
-    const auto truth = tracer.traceView(x, wo);
-    if (!truth) continue;
-    const VdimHit<double> hit = vdimLookup(atlas, tier, x, wo);
-    const glm::dvec2 found(surfaceAt(material.geometry, hit.p).position), off = found - glm::dvec2(truth->position);
-    const double texels = glm::length(off - glm::round(off)) * material.side;
-    sum.texels += texels, sum.over += texels > 1, sum.fetches += hit.fetches, ++sum.count;
-  }
-  return sum;
-}
 
 }  // namespace
 
-LookupError measureLookup(const Material& material, const VdimAtlas& atlas, VdimTier tier, int threads) {
-  const GeometryTracer tracer(material.geometry);
+LookupProbe::LookupProbe(const GeometryImage& geometry, int side, int threads)
+    : geometry_(geometry), side_(side), threads_(threads), blocks_(kBlocks) {
+  const GeometryTracer tracer(geometry);
+  parallelFor(kBlocks, threads, [&](size_t b) {
+    const uint64_t seed = mixSeed(0x100C, b);
+    for (uint64_t k = 0; k < kPerBlock; ++k) {
+      const double z = 1 - uniform(seed, 4 * k) * (1 - std::cos(kThetaMax));
+      Ray ray;
+      ray.wo = directionFromSpherical({std::acos(z), 2 * kPi * uniform(seed, 4 * k + 1)});
+      ray.x = {uniform(seed, 4 * k + 2), uniform(seed, 4 * k + 3)};
+      const auto truth = tracer.traceView(ray.x, ray.wo);
+      if (!truth) continue;
+      ray.truth = glm::dvec2(truth->position);
+      blocks_[b].push_back(ray);
+    }
+  });
+}
+
+LookupError LookupProbe::measure(const VdimAtlas& atlas, VdimTier tier) const {
   std::vector<Sum> sums(kBlocks);
-  parallelFor(kBlocks, threads, [&](size_t b) { sums[b] = measureBlock(material, atlas, tracer, tier, mixSeed(0x100C, b)); });
+  parallelFor(kBlocks, threads_, [&](size_t b) {
+    for (const Ray& ray : blocks_[b]) {
+      const VdimHit<double> hit = vdimLookup(atlas, tier, ray.x, ray.wo);
+      const glm::dvec2 off = glm::dvec2(surfaceAt(geometry_, hit.p).position) - ray.truth;
+      const double texels = glm::length(off - glm::round(off)) * side_;
+      sums[b].texels += texels, sums[b].over += texels > 1, sums[b].fetches += hit.fetches;
+    }
+  });
   Sum all;
-  for (const Sum& sum : sums) all.texels += sum.texels, all.over += sum.over, all.fetches += sum.fetches, all.count += sum.count;
-  const double n = double(std::max<size_t>(1, all.count));
+  size_t count = 0;
+  for (size_t b = 0; b < kBlocks; ++b) {
+    all.texels += sums[b].texels, all.over += sums[b].over, all.fetches += sums[b].fetches;
+    count += blocks_[b].size();
+  }
+  const double n = double(std::max<size_t>(1, count));
   return {all.texels / n, all.over / n, all.fetches / n};
 }
 

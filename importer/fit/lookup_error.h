@@ -1,7 +1,10 @@
-// How far the shader's lookup of a material is from the exact first hit on its geometry image.
+// How far the shader's lookup is from the exact first hit on the geometry image.
 #pragma once
 
-#include "material/material.h"
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "material/vdim.h"
 
 namespace loden::importer {
 
@@ -11,7 +14,24 @@ struct LookupError {
   double fetches = 0;       // per lookup, on average
 };
 
-// Over 16,384 random points and views, uniform in solid angle up to kThetaMax; rays that meet nothing do not count.
-LookupError measureLookup(const Material& material, const VdimAtlas& atlas, VdimTier tier, int threads);
+// 65,536 random points and views, uniform in solid angle up to kThetaMax, and what they meet; rays that meet nothing
+// are left out.
+class LookupProbe {
+ public:
+  // `side`: reference texels per tile period. The image must outlive the probe.
+  LookupProbe(const GeometryImage& geometry, int side, int threads);
+  // Of an atlas of the same image.
+  LookupError measure(const VdimAtlas& atlas, VdimTier tier) const;
+
+ private:
+  struct Ray {
+    glm::dvec2 x{0};
+    glm::dvec3 wo{0, 0, 1};
+    glm::dvec2 truth{0};  // (x, y) of the first hit, tile periods
+  };
+  const GeometryImage& geometry_;
+  int side_, threads_;
+  std::vector<std::vector<Ray>> blocks_;
+};
 
 }  // namespace loden::importer

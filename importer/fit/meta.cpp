@@ -45,15 +45,23 @@ std::string componentsText(const Material& material) {
   return std::to_string(4 * band.y_quads) + "," + chroma + "," + chroma;
 }
 
-nlohmann::ordered_json lookupMeta(const Material& material) {
-  const VdimAtlas atlas = buildVdimAtlas(material.geometry, {});
+nlohmann::ordered_json errorJson(const LookupError& e) {
+  return {{"mean_texels", e.mean_texels}, {"over_1_texel", e.over_1_texel}, {"fetches", e.fetches}};
+}
+
+nlohmann::ordered_json lookupMeta(const Material& material, std::span<const AtlasTrial> tried) {
+  const VdimAtlas atlas = buildVdimAtlas(material.geometry, material.atlas);
+  const LookupProbe probe(material.geometry, material.side, 0);
   nlohmann::ordered_json json = {{"geometry_side", material.geometry.side()},
                                  {"atlas_texels", atlas.size.texels},
                                  {"atlas_directions", atlas.size.directions},
                                  {"bytes", atlas.bytes()}};
-  for (const auto& [name, tier] : {std::pair{"fast", VdimTier::kFast}, std::pair{"default", VdimTier::kDefault}}) {
-    const LookupError e = measureLookup(material, atlas, tier, 0);
-    json[name] = {{"mean_texels", e.mean_texels}, {"over_1_texel", e.over_1_texel}, {"fetches", e.fetches}};
+  for (const auto& [name, tier] : {std::pair{"fast", VdimTier::kFast}, std::pair{"default", VdimTier::kDefault}}) 
+    json[name] = errorJson(probe.measure(atlas, tier));
+  for (const AtlasTrial& trial : tried) {
+    nlohmann::ordered_json of_trial = {{"texels", trial.size.texels}, {"directions", trial.size.directions}};
+    of_trial.update(errorJson(trial.error));
+    json["tried"].push_back(std::move(of_trial));
   }
   return json;
 }
@@ -70,23 +78,23 @@ uint64_t rawFileBytes(const Material& material) {
   return bandBytes(material) + material.geometry.texels.data.size() + surfaceBytes(material) + vdimBytes(material);
 }
 
-uint64_t residentBytes(const Material& material, const VdimAtlasSize& atlas) {
+uint64_t residentBytes(const Material& material) {
   uint64_t bytes = rawFileBytes(material);
   for (const Band& band : material.bands) bytes += environmentTableBytes(band);  // made by the runtime
   if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
   // The atlas holds a packed copy of the geometry, which itself does not go to the GPU.
-  return bytes - material.geometry.texels.data.size() + residentAtlasBytes(material.geometry, atlas);
+  return bytes - material.geometry.texels.data.size() + residentAtlasBytes(material.geometry, material.atlas);
 }
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
-                     const BtfError* error, const std::vector<TradePoint>& trade) {
+                     const BtfError* error, const std::vector<TradePoint>& trade, std::span<const AtlasTrial> atlases) {
   nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
                                  {"preset", preset},
                                  {"input", inputName(input)},
                                  {"components", componentsText(material)},
                                  {"coefficient_bytes", bandBytes(material)},
                                  {"raw_bytes", rawFileBytes(material)},
-                                 {"gpu_bytes", residentBytes(material, VdimAtlasSize{})}};
+                                 {"gpu_bytes", residentBytes(material)}};
   if (error) {
     const char* names[3] = {"y", "cb", "cr"};
     for (int c = 0; c < 3; ++c) {
@@ -94,7 +102,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
       meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
     }
   }
-  if (!material.geometry.empty() && material.mode != Mode::kLod) meta["lookup"] = lookupMeta(material);
+  if (!material.geometry.empty() && material.mode != Mode::kLod) meta["lookup"] = lookupMeta(material, atlases);
   const std::vector<TradePoint> front = paretoFront(trade);
   for (const TradePoint& p : trade) {
     const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) { return f.bytes == p.bytes && f.rmse_y == p.rmse_y; });

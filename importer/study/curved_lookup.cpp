@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "importer/bent_tiles.h"
+#include "importer/fit/atlas_choice.h"
 #include "importer/fit/modes.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
@@ -113,13 +114,15 @@ void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometr
 }
 
 Status measureTile(const std::string& name, const StudyOptions& options, StudyRows& rows) {
-  const auto baked = studyBake(options, name);
+  StudyBake wanted;
+  wanted.maps = {.btf = false, .flat = false, .vdim = false, .surface = true};
+  const auto baked = studyBake(options, name, wanted);
   if (!baked) return baked.issue();
   const auto tile = loadTile(studyTileName(name));
   if (!tile) return tile.issue();
   const auto geometry = geometryOf(*baked, 0);
   if (!geometry) return geometry.issue();
-  const VdimAtlas atlas = buildVdimAtlas(*geometry, {}, options.threads);
+  const VdimAtlas atlas = buildVdimAtlas(*geometry, chooseAtlas(*geometry, options.size, options.threads).size, options.threads);
   const glm::dvec2 angles[] = {{0, 90}, {0, 60}, {60, 75}, {75, 90}};
   Progress progress("curved-lookup " + name, 2 * 2 * 2 * std::size(angles), options.quiet);
   for (const SurfaceKind kind : {SurfaceKind::kCylinder, SurfaceKind::kSphere}) {

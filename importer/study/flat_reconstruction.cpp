@@ -237,7 +237,9 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   const auto tile = loadTile(studyTileName(name));
   if (!tile) return tile.issue();
   const TileTracer tracer(*tile);
-  const auto baked = studyBake(options, name);
+  StudyBake stored;
+  stored.maps = {.btf = false, .flat = false, .vdim = true, .surface = false};
+  const auto baked = studyBake(options, name, stored);
   if (!baked) return baked.issue();
   const auto displacements = baked->vdim(16, 16);
   if (!displacements) return displacements.issue();

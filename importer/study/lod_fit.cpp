@@ -69,7 +69,7 @@ Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const
 }
 
 BtfError unsampledError(const Material& material, const std::vector<Unsampled>& samples, int threads) {
-  const Evaluator evaluator(material, {}, threads);
+  const Evaluator evaluator(material, threads);
   std::vector<glm::dvec3> difference(samples.size());
   parallelFor(samples.size(), threads, [&](size_t i) {
     const Unsampled& s = samples[i];
@@ -117,7 +117,7 @@ StudyRow errorRow(const RowContext& context, const Material& m, int y, uint64_t 
   row.set("tile", context.data.tile).set("size", context.data.size).set("mode", modeName(m.mode));
   row.set("preset", context.preset).set("components", counts).set("y_components", y).set("storage", context.storage);
   row.set("coefficient_bytes", coefficients - dropped).set("file_bytes", rawFileBytes(m) - dropped);
-  row.set("gpu_bytes", residentBytes(m, VdimAtlasSize{}) - dropped);
+  row.set("gpu_bytes", residentBytes(m) - dropped);
   const char* names[3] = {"y", "cb", "cr"};
   for (int c = 0; c < 3; ++c) {
     const std::string name = names[c];

@@ -91,7 +91,7 @@ Result<StudyRows> studyMinification(const StudyOptions& options) {
     YccBtf truth = std::move(*btf);
     for (int level = 0;; ++level) {
       for (const Candidate& c : *all) {
-        const Evaluator evaluator(c.material, {}, options.threads);
+        const Evaluator evaluator(c.material, options.threads);
         const double rmse = levelError(evaluator, **source, truth, level, c.point ? 0 : level, options.threads);
         StudyRow row;
         row.set("tile", tile).set("mode", c.mode).set("lambda", level).set("rmse_y", rmse);

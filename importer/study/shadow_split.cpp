@@ -8,6 +8,7 @@
 // without the coarse band and the geometry image. Through the shader's default lookup.
 #include <cmath>
 
+#include "importer/fit/atlas_choice.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/flat_fit.h"
 #include "importer/fit/fused_plan.h"
@@ -167,7 +168,8 @@ Result<StudyRows> studyShadowSplit(const StudyOptions& options) {
     Material m;
     m.side = btf->side();
     m.geometry = *geometry;
-    const Evaluator evaluator(m, {}, options.threads);
+    m.atlas = chooseAtlas(m.geometry, m.side, options.threads).size;
+    const Evaluator evaluator(m, options.threads);
     const auto lookup = [&](glm::dvec2 x, const glm::dvec3& wo) { return evaluator.findHit(x, 0.0, wo).p; };
     const Indirection a = makeIndirection(btf->side(), btf->side(), (*source)->views(), lookup, options.threads);
     Blocks truth(size_t(btf->views()));

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "importer/bake_scene.h"
+#include "importer/fit/atlas_choice.h"
 #include "importer/fit/paper_vdim.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
@@ -62,6 +63,7 @@ struct Candidate {
   size_t bytes = 0;  // on the GPU
   std::function<Answer(glm::dvec2 x, const glm::dvec3& wo)> find;
   const GeometryImage* geometry = nullptr;  // that p is mapped back through
+  bool cooked = false;                      // the atlas that the cooker chooses for this tile
 };
 
 double periodicDistance(glm::dvec2 a, glm::dvec2 b) {
@@ -95,7 +97,7 @@ StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples,
   row.set("tile", tile).set("size", options.size).set("map", candidate.map).set("lookup", candidate.lookup);
   row.set("fetches", fetch_sum / n).set("bytes", uint64_t{candidate.bytes}).set("mean_texels", sum / n);
   row.set("median_texels", percentile(0.5)).set("p95_texels", percentile(0.95)).set("over_1_texel", double(over) / n);
-  return row.set("samples", uint64_t{count});
+  return row.set("samples", uint64_t{count}).set("cooked", candidate.cooked ? "yes" : "");
 }
 
 // The published map of the bake, blended as published.
@@ -163,7 +165,9 @@ std::vector<Candidate> searchCandidates(const GeometryImage& geometry, VdimAtlas
 }
 
 Status measureTile(const std::string& name, const StudyOptions& options, StudyRows& rows) {
-  const auto baked = studyBake(options, name);
+  StudyBake wanted;
+  wanted.maps = {.btf = false, .flat = false, .vdim = true, .surface = true};
+  const auto baked = studyBake(options, name, wanted);
   if (!baked) return baked.issue();
   const auto tile = loadTile(studyTileName(name));
   if (!tile) return tile.issue();
@@ -179,12 +183,18 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
     candidate->geometry = &*geometry;
     candidates.push_back(std::move(*candidate));
   }
-  for (const VdimAtlasSize size : {VdimAtlasSize{16, 12}, VdimAtlasSize{16, 16}, VdimAtlasSize{}, VdimAtlasSize{24, 24}, VdimAtlasSize{32, 20}})
-    for (Candidate& candidate : searchCandidates(*geometry, size, options.threads)) candidates.push_back(std::move(candidate));
+  const VdimAtlasSize cooked = chooseAtlas(*geometry, options.size, options.threads).size;
+  std::vector<VdimAtlasSize> sizes{kFirstVdimAtlas, {16, 16}};
+  for (const VdimAtlasSize size : atlasCandidates()) sizes.push_back(size);
+  for (const VdimAtlasSize size : sizes)
+    for (Candidate& candidate : searchCandidates(*geometry, size, options.threads)) {
+      candidate.cooked = size == cooked;
+      candidates.push_back(std::move(candidate));
+    }
   const GeometryImage fine = geometryOfSize(mesh, kFineGeometry);
   const GeometryTracer fine_tracer(fine);
   candidates.push_back(tracedCandidate(*geometry, traced));
-  candidates.push_back(tracedCandidate(fine, fine_tracer));
+  if (geometry->side() != kFineGeometry) candidates.push_back(tracedCandidate(fine, fine_tracer));
   Progress progress("vdim-interpolation " + name, candidates.size(), options.quiet);
   for (const Candidate& candidate : candidates) {
     rows.push_back(measure(candidate, samples, name, options));

@@ -238,6 +238,23 @@ TEST_F(MaterialSystemTest, DrawsWithASmallAtlasWhereThereIsNoRoomForTheFullOne) 
   EXPECT_GT(tight->stats().total_bytes, tight->stats().resident_bytes);
 }
 
+TEST_F(MaterialSystemTest, BuildsTheAtlasThatTheAssetAsksForUnlessToldOtherwise) {
+  Material asking = largeFused(6);
+  asking.atlas = {20, 14};
+  auto by_asset = makeMaterials(), by_caller = makeMaterials({.atlas_size = VdimAtlasSize{20, 14}});
+  const MaterialId a = load(*by_asset, asking), b = load(*by_caller, largeFused(6));
+  for (const auto& [system, id] : {std::pair{by_asset.get(), a}, {by_caller.get(), b}}) {
+    system->demand(id, 0);
+    system->finishLoading();
+  }
+  EXPECT_EQ(by_asset->material(a).atlas, asking.atlas);
+  EXPECT_EQ(by_asset->stats().total_bytes, by_caller->stats().total_bytes);
+  EXPECT_TRUE(drawMaterial(*by_asset, a, 0) == drawMaterial(*by_caller, b, 0));
+  auto usual = makeMaterials();
+  load(*usual, largeFused(6));
+  EXPECT_EQ(usual->stats().total_bytes - by_asset->stats().total_bytes, vdimDepthBytes(largeFused(6).atlas) - vdimDepthBytes(asking.atlas));
+}
+
 TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
   auto small = makeMaterials({.atlas_size = kFirstVdimAtlas}), system = makeMaterials({.release_seconds = 1});
   const MaterialId a = load(*small, largeFused(6)), b = load(*system, largeFused(6));

@@ -95,6 +95,42 @@ TEST(Fused, ContinuousInLambdaDownToTheAverage) {
   }
 }
 
+// The lookup of the fit is that of the asset: the split of texels and directions that errs least on this geometry, and
+// the asset says so.
+TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
+  const SyntheticSource source = sunkenPicture();
+  const auto btf = loadYcc(source, 0);
+  std::vector<glm::dvec3> ridges;
+  for (int t = 0; t < 32 * 32; ++t) {
+    const glm::dvec2 p((t % 32 + 0.5) / 32, (t / 32 + 0.5) / 32);
+    ridges.emplace_back(p, -0.15 - 0.15 * std::sin(6 * kPi * p.x));
+  }
+  const GeometryImage geometry = encodeGeometryImage(32, ridges, std::vector<uint16_t>(ridges.size(), 1), true);
+  FusedPlan plan = smallPlan();
+  plan.coarse_y = 0;
+  const FusedFit fit = fitFused(source, *btf, geometry, plan, 0);
+  ASSERT_EQ(fit.atlases.size(), atlasCandidates().size());
+  const LookupProbe probe(geometry, kSide, 0);
+  const auto badness = [&](VdimAtlasSize size) {
+    const LookupError e = probe.measure(buildVdimAtlas(geometry, size), VdimTier::kDefault);
+    return e.mean_texels * e.over_1_texel;
+  };
+  for (const VdimAtlasSize size : atlasCandidates()) {
+    EXPECT_LE(badness(fit.material.atlas), badness(size)) << size.texels << " texels, " << size.directions << " directions";
+    EXPECT_LE(vdimDepthBytes(size), kMostAtlasBytes);
+  }
+  EXPECT_GT(badness(fit.material.atlas), 0);
+  const std::string meta = cookMeta(fit.material, "test", "game", &fit.error, {}, fit.atlases);
+  EXPECT_NE(meta.find("\"atlas_texels\":" + std::to_string(fit.material.atlas.texels) + ","), std::string::npos) << meta;
+
+  plan.atlas = VdimAtlasSize{12, 6};
+  const FusedFit named = fitFused(source, *btf, geometry, plan, 0);
+  EXPECT_EQ(named.material.atlas, *plan.atlas);
+  EXPECT_TRUE(named.atlases.empty());
+  EXPECT_EQ(residentBytes(fit.material) - residentBytes(named.material),
+            vdimDepthBytes(fit.material.atlas) + vdimDepthBytes(kFirstVdimAtlas) - vdimDepthBytes({12, 6}));
+}
+
 TEST(Fused, LevelsKeepTheFinest) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);

@@ -125,7 +125,7 @@ TEST(Environment, EvaluatorIntegratesItself) {
   for (const bool cosine : {true, false})
     for (Material material : {test::fusedMaterial(), test::lodMaterial()}) {
       material.cosine_included = cosine;
-      Evaluator evaluator(material, {16, 8});
+      Evaluator evaluator(material);
       evaluator.prepareEnvironment();
       const HemisphereLight light = hemisphereLight(somePolynomial(), glm::mat3(1));
       // At a row and a column of the grid both readings agree.

@@ -50,7 +50,7 @@ TEST(Mean, RatioChromaFollowsY) {
 
 TEST(Evaluator, FloatAndDoubleAgree) {
   for (const Material& material : {test::lodMaterial(), test::fusedMaterial(), test::surfaceMaterial()}) {
-    const Evaluator evaluator(material, {16, 8});
+    const Evaluator evaluator(material);
     for (int k = 0; k < 400; ++k) {
       const glm::dvec2 x(0.137 * k - 3, 0.0713 * k);
       const double lambda = 0.011 * k;
@@ -70,7 +70,7 @@ TEST(Evaluator, FloatAndDoubleAgree) {
 TEST(Evaluator, IsContinuousInLambda) {
   // No step above 1/255 of white for a change of 0.01, where the bands' own values are of the order of 1.
   const Material material = test::fusedMaterial();
-  const Evaluator evaluator(material, {16, 8});
+  const Evaluator evaluator(material);
   const glm::dvec3 wi = directionFromSpherical({0.4, 1}), wo = directionFromSpherical({0.6, 3});
   glm::dvec3 last(0);
   for (double lambda = 0; lambda < material.lambda_max + 2; lambda += 1e-4) {
@@ -82,7 +82,7 @@ TEST(Evaluator, IsContinuousInLambda) {
 
 TEST(Evaluator, DirectionsBelowTheHorizonAreBlack) {
   const Material material = test::fusedMaterial();
-  const Evaluator evaluator(material, {16, 8});
+  const Evaluator evaluator(material);
   const glm::dvec3 up(0, 0, 1), down = glm::normalize(glm::dvec3(1, 0, -0.2));
   const auto hit = evaluator.findHit(glm::dvec2(0.5), 0.0, up);
   EXPECT_EQ(glm::length(evaluator.evaluate(hit, down, up)), 0);
@@ -91,7 +91,7 @@ TEST(Evaluator, DirectionsBelowTheHorizonAreBlack) {
 
 TEST(Evaluator, LightFadesToZeroAtTheHorizon) {
   const Material material = test::fusedMaterial();
-  const Evaluator evaluator(material, {16, 8});
+  const Evaluator evaluator(material);
   const glm::dvec3 up(0, 0, 1);
   const auto hit = evaluator.findHit(glm::dvec2(0.2, 0.4), 3.0, up);
   const auto at = [&](double theta) { return evaluator.evaluate(hit, directionFromSpherical({theta, 1}), up); };
@@ -129,7 +129,7 @@ TEST(Evaluator, ParallaxFadesWithTheTexelsThatItCrosses) {
 TEST(Evaluator, FadedParallaxEndsAtX) {
   Material material = test::fusedMaterial();
   material.geometry.identity_parameterization = true;
-  const Evaluator evaluator(material, {16, 8});
+  const Evaluator evaluator(material);
   const glm::dvec3 wo = directionFromSpherical({1.0, 1});
   const glm::dvec2 x(0.3, 0.6);
   const auto far = evaluator.findHit(x, 12.0, wo, Lookup::kDefault, Parallax::kFaded);

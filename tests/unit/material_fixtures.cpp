@@ -100,6 +100,7 @@ void expectSameMaps(const Material& a, const Material& b) {
   expectSame(a.geometry.texels, b.geometry.texels);
   EXPECT_TRUE(a.geometry.range == b.geometry.range);
   EXPECT_EQ(a.geometry.identity_parameterization, b.geometry.identity_parameterization);
+  EXPECT_TRUE(a.geometry.empty() || a.atlas == b.atlas);
   ASSERT_EQ(a.stored_vdim.has_value(), b.stored_vdim.has_value());
   if (a.stored_vdim) {
     EXPECT_EQ(a.stored_vdim->side, b.stored_vdim->side);
@@ -153,6 +154,7 @@ Texture noiseTexture(TexelFormat format, TextureShape shape, int width, int heig
 Material surfaceMaterial() {
   Material material = plainMaterial(Mode::kSurface, "surface");
   material.geometry = smallGeometry();
+  material.atlas = {24, 18};
   PaperVdim vdim;
   vdim.side = kSide;
   vdim.zeniths = 2;
@@ -183,6 +185,7 @@ Material fusedMaterial() {
   Material material = plainMaterial(Mode::kFused, "fused");
   material.lambda_max = 5;
   material.geometry = smallGeometry();
+  material.atlas = {24, 18};
   material.bands.push_back(gridBand(Domain::kFlat, 1, {3, 5, material.theta_max}, 30));
   material.bands.push_back(gridBand(Domain::kReference, 3, {4, 7, material.theta_max}, 40));
   return material;

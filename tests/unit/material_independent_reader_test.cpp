@@ -110,7 +110,7 @@ class Listing {
     if (!m.geometry.empty()) {
       const glm::vec3& range = m.geometry.range;
       line("geometry", m.geometry.side(), bits({range.x, range.y, range.z}),
-           m.geometry.identity_parameterization ? 1 : 0);
+           m.geometry.identity_parameterization ? 1 : 0, m.atlas.texels, m.atlas.directions);
     }
     if (m.stored_vdim) {
       const PaperVdim& vdim = *m.stored_vdim;

@@ -98,7 +98,7 @@ def read_head(head):
     maps, surface = [], []
     if parts & 1:
         side = head.u32()
-        print("geometry", side, head.bits(3), head.u32())
+        print("geometry", side, head.bits(3), *head.u32(3))
         maps.append(("GEOM", [texture(91, side, side, 1, 1)]))
     if parts & 2:
         side, zeniths, azimuths = head.u32(3)

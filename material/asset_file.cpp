@@ -22,28 +22,29 @@ Result<AssetFile> AssetFile::open(std::shared_ptr<const ByteSource> source, cons
   });
 }
 
-uint64_t AssetFile::storedBytes(uint32_t type, int band) const {
+uint64_t AssetFile::storedBytes(uint32_t type, int band, Share share) const {
   uint64_t bytes = 0;
   for (const Part& part : partsOf(skeleton_)) {
     if (part.type != type || part.band != band) continue;
+    if (share == Share::kFirst && part.share == Part::Share::kRest) continue;
     const int chunk = chunkOfPart(chunks_, skeleton_, part);
     if (chunk >= 0 && chunk < present_chunks_) bytes += chunks_[chunk].stored_bytes;
   }
   return bytes;
 }
 
-uint64_t AssetFile::bandStoredBytes(int band) const {
+uint64_t AssetFile::bandStoredBytes(int band, Share share) const {
   LODEN_CHECK(band >= 0 && band < static_cast<int>(skeleton_.bands.size()));
-  return storedBytes(kBand, band);
+  return storedBytes(kBand, band, share);
 }
 uint64_t AssetFile::geometryStoredBytes() const {
-  return storedBytes(kGeom);
+  return storedBytes(kGeom, -1, Share::kAll);
 }
 uint64_t AssetFile::storedVdimStoredBytes() const {
-  return storedBytes(kVdim);
+  return storedBytes(kVdim, -1, Share::kAll);
 }
-uint64_t AssetFile::surfaceStoredBytes() const {
-  return storedBytes(kSurf);
+uint64_t AssetFile::surfaceStoredBytes(Share share) const {
+  return storedBytes(kSurf, -1, share);
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -85,25 +86,28 @@ class AssetFile {
   std::span<const ChunkInfo> chunks() const { return chunks_; }
   // How many of chunks(), from the front, lie wholly inside the source.
   int presentChunks() const { return present_chunks_; }
-  // Stored bytes (on disk) of the chunk behind one band (index as in skeleton().bands); 0 if it is absent.
-  uint64_t bandStoredBytes(int band) const;
+  // Of what is stored in two chunks, the leading part alone (material/leading_part.h), or all.
+  enum class Share { kFirst, kAll };
+
+  // Stored bytes (on disk) of the chunks behind one band (index as in skeleton().bands); 0 if they are absent.
+  uint64_t bandStoredBytes(int band, Share share = Share::kAll) const;
   // The same of the geometry image, the stored VDIM and the surface maps.
   uint64_t geometryStoredBytes() const;
   uint64_t storedVdimStoredBytes() const;
-  uint64_t surfaceStoredBytes() const;
+  uint64_t surfaceStoredBytes(Share share = Share::kAll) const;
 
   // Read, check and decompress one part. Each call reads only that part's bytes. Thread safe. What is absent
-  // is an issue (kMissingChunk).
-  Result<Band> loadBand(int band) const;
+  // is an issue (kMissingChunk). `lead` and `tail`: what the same call gave for kFirst; then only the rest is read.
+  Result<Band> loadBand(int band, Share share = Share::kAll, const Band* lead = nullptr) const;
   Result<GeometryImage> loadGeometry() const;
   Result<PaperVdim> loadStoredVdim() const;
-  Result<SurfaceMaps> loadSurface() const;
+  Result<SurfaceMaps> loadSurface(Share share = Share::kAll, const SurfaceMaps* tail = nullptr) const;
 
  private:
-  // A part by its chunk type; `band` only for BAND.
-  uint64_t partStoredBytes(uint32_t type, int band = -1) const;
+  // By chunk type; `band` only for BAND.
+  uint64_t storedBytes(uint32_t type, int band, Share share) const;
   // A material with this part only. For BAND it is bands[0].
-  Result<Material> loadPart(uint32_t type, int band = -1) const;
+  Result<Material> load(uint32_t type, int band, Share share, std::optional<Material> lead = {}) const;
 
   std::shared_ptr<const ByteSource> source_;
   std::string name_;

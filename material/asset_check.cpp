@@ -146,6 +146,8 @@ class MaterialCheck {
     for (const glm::vec4& scale : band.quad_scale) checkFinite(scale, i, "quad_scale");
     checkFinite(band.ratio_scale, i, "ratio_scale");
     if (!quads_fit) return;
+    require(within(band.lead_quads, 0, std::min(band.y_quads, band.quads() - 1)), "lead_quads ", band.lead_quads,
+            " is more than y_quads, or leaves no rest");
     require(band.quad_scale.size() == static_cast<size_t>(band.quads()), band.quad_scale.size(),
             " scales for ", band.quads(), " quads");
     checkWeights(band, join("HEAD, band ", i, ", weights"));
@@ -247,15 +249,22 @@ class MaterialCheck {
     issues_.require(std::isfinite(maps.specular_scale) && maps.specular_scale >= 0, kMapField,
                     "HEAD, surface maps", "specular_scale ", maps.specular_scale,
                     " is negative or not finite");
-    checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, "HEAD, normal map");
-    checkSurfaceMap(maps.diffuse, TexelFormat::kRGBA16Unorm, "HEAD, diffuse map");
-    checkSurfaceMap(maps.specular, TexelFormat::kRG8Unorm, "HEAD, specular map");
+    issues_.require(within(maps.lambda_first, 0, Limits::kMaxLambda), kMapField, "HEAD, surface maps", "lambda_first ",
+                    maps.lambda_first, " is not in 0..", Limits::kMaxLambda);
+    checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, maps.tail_mip, "HEAD, normal map");
+    checkSurfaceMap(maps.diffuse, TexelFormat::kRGBA16Unorm, maps.tail_mip, "HEAD, diffuse map");
+    checkSurfaceMap(maps.specular, TexelFormat::kRG8Unorm, maps.tail_mip, "HEAD, specular map");
   }
 
-  void checkSurfaceMap(const Texture& map, TexelFormat format, const std::string& place) {
+  void checkSurfaceMap(const Texture& map, TexelFormat format, int tail_mip, const std::string& place) {
     checkExtents(map, TextureShape::kArray2D, kMapField, place);
     issues_.require(map.format == format, kMapField, place, "the format is not ", texelFormatName(format));
     issues_.require(map.depth == 1, kMapSize, place, "the map has layers");
+    // From afar a map is its average: one that ends earlier would pop where it comes in.
+    issues_.require(map.mips == fullMipCount(std::max(map.width, 1), std::max(map.height, 1)), kMapField, place, map.mips,
+                    " mips do not end at one texel");
+    issues_.require(within(tail_mip, 0, map.mips - 1), kMapField, place, "tail_mip ", tail_mip, " is none of its ", map.mips,
+                    " mips");
   }
 
   const Material& m_;

@@ -5,6 +5,7 @@
 #include "material/asset_check.h"
 #include "material/asset_chunks.h"
 #include "material/asset_header.h"
+#include "material/leading_part.h"
 
 namespace loden::asset {
 namespace {
@@ -95,9 +96,10 @@ void forgetAbsent(const Contents& contents, Material& material) {
   const auto absent = [&](const Part& part) {
     return chunkOfPart(contents.chunks, contents.skeleton, part) >= contents.present;
   };
+  const Material& whole = contents.skeleton;
   const int bands = static_cast<int>(material.bands.size());
   int finest = bands;  // bands of an asset are present from the back
-  while (finest > 0 && !absent({kBand, finest - 1})) --finest;
+  while (finest > 0 && !absent(firstPart(whole, kBand, finest - 1))) --finest;
   for (int band = 0; band < finest; ++band) {
     const float coarser = std::min(material.bands[band].window.out_end, material.lambda_max);
     material.lambda_min = std::max(material.lambda_min, coarser);
@@ -105,7 +107,7 @@ void forgetAbsent(const Contents& contents, Material& material) {
   material.bands.erase(material.bands.begin(), material.bands.begin() + finest);
   if (absent({kGeom})) material.geometry = {};
   if (absent({kVdim})) material.stored_vdim.reset();
-  if (absent({kSurf})) material.surface.reset();
+  if (absent(firstPart(whole, kSurf))) material.surface.reset();
 }
 
 }  // namespace
@@ -123,41 +125,76 @@ Contents readContents(const ByteSource& source, IssueList& issues) {
 }
 
 int chunkOfPart(std::span<const ChunkInfo> chunks, const Material& skeleton, const Part& part) {
-  int skip = part.type == kBand ? static_cast<int>(skeleton.bands.size()) - 1 - part.band : 0;
+  int skip = 0;
+  for (const Part& before : partsOf(skeleton)) {
+    if (before == part) break;
+    if (before.type == part.type) ++skip;
+  }
   for (size_t i = 0; i < chunks.size(); ++i) {
     if (chunks[i].type == part.type && skip-- == 0) return static_cast<int>(i);
   }
   return -1;
 }
 
+namespace {
+
+// A chunk's raw bytes, which must be as many as the description needs. Empty after an issue.
+std::vector<std::byte> readTexels(const ByteSource& source, const ChunkInfo& chunk, const std::string& place,
+                                  uint64_t needed, IssueList& issues) {
+  if (chunk.raw_bytes != needed) {
+    issues.add(issue_id::kMapSize, place, join(chunk.raw_bytes, " raw bytes; the header describes ", needed));
+    return {};
+  }
+  Result<std::vector<std::byte>> raw = readRaw(source, chunk, issues.where(place));
+  if (raw) return std::move(*raw);
+  issues.add(raw.issue());
+  return {};
+}
+
+void loadMeta(const ByteSource& source, const ChunkInfo& chunk, const std::string& place, Material& material,
+              IssueList& issues) {
+  if (chunk.raw_bytes > Limits::kMaxMetaBytes) {
+    return issues.add(issue_id::kLimit, place,
+                      join(chunk.raw_bytes, " raw bytes; the limit is ", Limits::kMaxMetaBytes));
+  }
+  const Result<std::vector<std::byte>> raw = readRaw(source, chunk, issues.where(place));
+  if (!raw) return issues.add(raw.issue());
+  material.meta_json.assign(reinterpret_cast<const char*>(raw->data()), raw->size());
+  checkMeta(material.meta_json, issues);
+}
+
+}  // namespace
+
 void loadPart(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
               Material& material, IssueList& issues) {
   const std::string place = chunkPlace(index, chunk.type);
   if (part.type == kHead) return;
-  const bool is_meta = part.type == kMeta;
-  const uint64_t needed = is_meta ? chunk.raw_bytes : partBytes(material, part);
-  if (is_meta && chunk.raw_bytes > Limits::kMaxMetaBytes) {
-    return issues.add(issue_id::kLimit, place,
-                      join(chunk.raw_bytes, " raw bytes; the limit is ", Limits::kMaxMetaBytes));
+  if (part.type == kMeta) return loadMeta(source, chunk, place, material, issues);
+  if (part.share == Part::Share::kLead) {
+    if (part.type == kBand) material.bands[part.band] = leadOf(material.bands[part.band]);
+    if (part.type == kSurf) material.surface = tailOf(*material.surface);
   }
-  if (chunk.raw_bytes != needed) {
-    return issues.add(issue_id::kMapSize, place,
-                      join(chunk.raw_bytes, " raw bytes; the header describes ", needed));
-  }
-  const Result<std::vector<std::byte>> raw = readRaw(source, chunk, issues.where(place));
-  if (!raw) return issues.add(raw.issue());
-  if (is_meta) {
-    material.meta_json.assign(reinterpret_cast<const char*>(raw->data()), raw->size());
-    return checkMeta(material.meta_json, issues);
-  }
-  auto from = raw->begin();
-  for (Texture* t : partTextures(material, part)) {
-    const auto bytes =
-        static_cast<ptrdiff_t>(textureBytes(t->format, t->width, t->height, t->depth, t->mips));
-    t->data.assign(from, from + bytes);
-    from += bytes;
-  }
-  checkPartTexels(material, part, place, issues);
+  const Part whole{part.type, part.band};
+  const std::vector<std::byte> raw = readTexels(source, chunk, place, partBytes(material, whole), issues);
+  if (raw.empty()) return;
+  scatterTexels(raw, whole, material);
+  checkPartTexels(material, whole, place, issues);
+}
+
+void loadRest(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
+              const Material& described, Material& material, IssueList& issues) {
+  const std::string place = chunkPlace(index, chunk.type);
+  const std::vector<std::byte> raw = readTexels(source, chunk, place, partBytes(described, part), issues);
+  const Part lead{part.type, part.band, Part::Share::kLead}, whole{part.type, part.band};
+  for (const Texture* t : partTextures(material, whole))
+    if (t->empty()) return;  // the leading part is damaged
+  if (raw.empty()) return;
+  const std::vector<std::byte> leading = gatherTexels(material, whole);
+  if (part.type == kBand) material.bands[part.band] = described.bands[part.band];
+  if (part.type == kSurf) material.surface = described.surface;
+  scatterTexels(leading, lead, material);
+  scatterTexels(raw, part, material);
+  checkPartTexels(material, whole, place, issues);
 }
 
 Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues) {
@@ -173,7 +210,9 @@ Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues
     checkPadding(source, contents.chunks, i, issues);
     if (static_cast<int>(i) >= contents.present) break;
     if (contents.described && isKnown(chunk.type)) {
-      loadPart(source, chunk, i, *part++, material, issues);
+      const Part& next = *part++;
+      if (next.share == Part::Share::kRest) loadRest(source, chunk, i, next, contents.skeleton, material, issues);
+      else loadPart(source, chunk, i, next, material, issues);
     } else if (i > 0) {
       const auto stored = readStored(source, chunk, issues.where(chunkPlace(i, chunk.type)));
       if (!stored) issues.add(stored.issue());

@@ -17,70 +17,103 @@ Result<AssetFile> AssetFile::open(std::shared_ptr<const ByteSource> source, cons
     file.chunks_ = std::move(contents.chunks);
     file.present_chunks_ = contents.present;
     // META is optional: what is wrong with it is for validateAsset to say.
-    if (const Result<Material> meta = file.loadPart(kMeta)) file.skeleton_.meta_json = meta->meta_json;
+    if (const Result<Material> meta = file.load(kMeta, -1, Share::kFirst)) file.skeleton_.meta_json = meta->meta_json;
     return file;
   });
 }
 
-uint64_t AssetFile::partStoredBytes(uint32_t type, int band) const {
-  const int chunk = chunkOfPart(chunks_, skeleton_, {type, band});
-  return chunk >= 0 && chunk < present_chunks_ ? chunks_[chunk].stored_bytes : 0;
+uint64_t AssetFile::storedBytes(uint32_t type, int band, Share share) const {
+  uint64_t bytes = 0;
+  for (const Part& part : partsOf(skeleton_)) {
+    if (part.type != type || part.band != band) continue;
+    if (share == Share::kFirst && part.share == Part::Share::kRest) continue;
+    const int chunk = chunkOfPart(chunks_, skeleton_, part);
+    if (chunk >= 0 && chunk < present_chunks_) bytes += chunks_[chunk].stored_bytes;
+  }
+  return bytes;
 }
 
-uint64_t AssetFile::bandStoredBytes(int band) const {
+uint64_t AssetFile::bandStoredBytes(int band, Share share) const {
   LODEN_CHECK(band >= 0 && band < static_cast<int>(skeleton_.bands.size()));
-  return partStoredBytes(kBand, band);
+  return storedBytes(kBand, band, share);
 }
 uint64_t AssetFile::geometryStoredBytes() const {
-  return partStoredBytes(kGeom);
+  return storedBytes(kGeom, -1, Share::kAll);
 }
 uint64_t AssetFile::storedVdimStoredBytes() const {
-  return partStoredBytes(kVdim);
+  return storedBytes(kVdim, -1, Share::kAll);
 }
-uint64_t AssetFile::surfaceStoredBytes() const {
-  return partStoredBytes(kSurf);
+uint64_t AssetFile::surfaceStoredBytes(Share share) const {
+  return storedBytes(kSurf, -1, share);
 }
 
-Result<Material> AssetFile::loadPart(uint32_t type, int band) const {
+namespace {
+
+// What is described of this type, without texels, as all that a material has.
+Material describedPart(const Material& skeleton, uint32_t type, int band) {
+  Material part;
+  if (type == kBand) part.bands = {skeleton.bands[band]};
+  if (type == kGeom) part.geometry = skeleton.geometry;
+  if (type == kVdim) part.stored_vdim = skeleton.stored_vdim;
+  if (type == kSurf) part.surface = skeleton.surface;
+  return part;
+}
+
+}  // namespace
+
+Result<Material> AssetFile::load(uint32_t type, int band, Share share, std::optional<Material> lead) const {
   return withoutExceptions(name_, [&]() -> Result<Material> {
     IssueList issues(name_);
-    const int chunk = chunkOfPart(chunks_, skeleton_, {type, band});
-    if (chunk < 0 || chunk >= present_chunks_) {
-      issues.add(issue_id::kMissingChunk, chunkName(type), "the asset has no such part, or ends before it");
-      return issues.first();
+    const auto presentChunk = [&](const Part& part) {
+      const int chunk = chunkOfPart(chunks_, skeleton_, part);
+      const bool present = chunk >= 0 && chunk < present_chunks_;
+      issues.require(present, issue_id::kMissingChunk, chunkName(type), "the asset has no such part, or ends before it");
+      return present ? chunk : -1;
+    };
+    const Part first = firstPart(skeleton_, type, band);
+    const int band_here = type == kBand ? 0 : -1;
+    const Material described = describedPart(skeleton_, type, band);
+    Material part = lead ? std::move(*lead) : described;
+    if (!lead) {
+      const int chunk = presentChunk(first);
+      if (chunk < 0) return issues.first();
+      asset::loadPart(*source_, chunks_[chunk], chunk, {type, band_here, first.share}, part, issues);
     }
-    Material part;
-    if (type == kBand) part.bands = {skeleton_.bands[band]};
-    if (type == kGeom) part.geometry = skeleton_.geometry;
-    if (type == kVdim) part.stored_vdim = skeleton_.stored_vdim;
-    if (type == kSurf) part.surface = skeleton_.surface;
-    asset::loadPart(*source_, chunks_[chunk], chunk, {type, type == kBand ? 0 : -1}, part, issues);
+    if (share == Share::kAll && first.share == Part::Share::kLead && issues.empty()) {
+      const int chunk = presentChunk({type, band, Part::Share::kRest});
+      if (chunk < 0) return issues.first();
+      loadRest(*source_, chunks_[chunk], chunk, {type, band_here, Part::Share::kRest}, described, part, issues);
+    }
     if (!issues.empty()) return issues.first();
     return part;
   });
 }
 
-Result<Band> AssetFile::loadBand(int band) const {
+Result<Band> AssetFile::loadBand(int band, Share share, const Band* lead) const {
   LODEN_CHECK(band >= 0 && band < static_cast<int>(skeleton_.bands.size()));
-  Result<Material> part = loadPart(kBand, band);
+  std::optional<Material> leading;
+  if (lead) leading.emplace().bands = {*lead};
+  Result<Material> part = load(kBand, band, share, std::move(leading));
   if (!part) return part.issue();
   return std::move(part->bands.front());
 }
 
 Result<GeometryImage> AssetFile::loadGeometry() const {
-  Result<Material> part = loadPart(kGeom);
+  Result<Material> part = load(kGeom, -1, Share::kAll);
   if (!part) return part.issue();
   return std::move(part->geometry);
 }
 
 Result<PaperVdim> AssetFile::loadStoredVdim() const {
-  Result<Material> part = loadPart(kVdim);
+  Result<Material> part = load(kVdim, -1, Share::kAll);
   if (!part) return part.issue();
   return std::move(*part->stored_vdim);
 }
 
-Result<SurfaceMaps> AssetFile::loadSurface() const {
-  Result<Material> part = loadPart(kSurf);
+Result<SurfaceMaps> AssetFile::loadSurface(Share share, const SurfaceMaps* tail) const {
+  std::optional<Material> leading;
+  if (tail) leading.emplace().surface = *tail;
+  Result<Material> part = load(kSurf, -1, share, std::move(leading));
   if (!part) return part.issue();
   return std::move(*part->surface);
 }

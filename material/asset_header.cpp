@@ -34,6 +34,7 @@ void writeBand(ByteWriter& out, const Band& band) {
   out.u32(static_cast<uint32_t>(band.y_quads));
   out.u32(static_cast<uint32_t>(band.chroma_quads));
   out.u32(band.ratio ? 1 : 0);
+  out.u32(static_cast<uint32_t>(band.lead_quads));
   const Texture &weights = band.weights, &table = band.table;
   out.u32(static_cast<uint32_t>(weights.format));
   for (const int extent : {weights.width, weights.height, weights.depth, weights.mips}) out.u32(extent);
@@ -62,6 +63,8 @@ void writeMaps(ByteWriter& out, const Material& material) {
   }
   if (!material.surface) return;
   out.f32(material.surface->specular_scale);
+  out.f32(material.surface->lambda_first);
+  out.u32(static_cast<uint32_t>(material.surface->tail_mip));
   for (const Texture* map : partTextures(material, {kSurf})) {
     for (const int extent : {map->width, map->height, map->mips}) out.u32(extent);
   }
@@ -194,6 +197,7 @@ class HeaderReader {
     band.y_quads = static_cast<int>(y_quads);
     band.chroma_quads = static_cast<int>(chroma_quads);
     band.ratio = boolean("ratio");
+    band.lead_quads = integer();
     band.weights = readTexture(TextureShape::kArray2D);
     band.table = readTexture(TextureShape::kVolume);
     band.ratio_scale = readVec4();
@@ -204,7 +208,7 @@ class HeaderReader {
 
   // The record has the coarsest first, the material the finest.
   void readBands(Material& material) {
-    constexpr size_t kLeastBandBytes = 96;
+    constexpr size_t kLeastBandBytes = 100;
     material.bands.resize(count(Limits::kMaxBands, kLeastBandBytes, "bands"));
     for (auto band = material.bands.rbegin(); band != material.bands.rend(); ++band) *band = readBand();
   }
@@ -255,6 +259,8 @@ class HeaderReader {
   SurfaceMaps readSurface() {
     SurfaceMaps maps;
     maps.specular_scale = in_.f32();
+    maps.lambda_first = in_.f32();
+    maps.tail_mip = integer();
     maps.normal = readMap(TexelFormat::kRGBA8Snorm);
     maps.diffuse = readMap(TexelFormat::kRGBA16Unorm);
     maps.specular = readMap(TexelFormat::kRG8Unorm);

@@ -17,12 +17,7 @@ std::vector<std::byte> rawBytes(const Material& material, const Part& part) {
     const auto bytes = std::as_bytes(std::span(material.meta_json));
     return {bytes.begin(), bytes.end()};
   }
-  std::vector<std::byte> raw;
-  raw.reserve(partBytes(material, part));
-  for (const Texture* texture : partTextures(material, part)) {
-    raw.insert(raw.end(), texture->data.begin(), texture->data.end());
-  }
-  return raw;
+  return gatherTexels(material, part);
 }
 
 // The reader's checks, so that nothing is written that cannot be read.

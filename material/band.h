@@ -49,6 +49,9 @@ struct Band {
   int y_quads = 0;
   int chroma_quads = 0;
   bool ratio = false;
+  // The first of y_quads, which with the ratio layer are stored apart from the rest and can be shown without it
+  // (material/leading_part.h); 0: stored in one.
+  int lead_quads = 0;
   // Per quad of y and chroma: products D*E are multiplied by this (folds both 8-bit scales).
   std::vector<glm::vec4> quad_scale;
   glm::vec4 ratio_scale{1};

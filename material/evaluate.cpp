@@ -132,11 +132,11 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
 // value along the mirror direction times the lobe's integral, blurred as the lobe's width asks.
 template <class T>
 V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, const HemisphereLight& light, const V3<T>& wo) {
-  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda, 0, hit.p));
+  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda - T(maps.lambda_first), 0, hit.p));
   const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
   const V3<T> n = mapped / length;
-  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda, 0, hit.p));
-  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda, 0, hit.p);
+  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda - T(maps.lambda_first), 0, hit.p));
+  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda - T(maps.lambda_first), 0, hit.p);
   const T sharp = std::exp2(specular.y * T(12)), shortened = std::min(length, T(1));
   const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
   const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
@@ -155,11 +155,11 @@ V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, con
 
 template <class T>
 V3<T> evaluateSurface(const SurfaceMaps& maps, const Hit<T>& hit, const V3<T>& wi, const V3<T>& wo) {
-  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda, 0, hit.p));
+  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda - T(maps.lambda_first), 0, hit.p));
   const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
   const V3<T> normal = mapped / length;
-  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda, 0, hit.p));
-  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda, 0, hit.p);
+  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda - T(maps.lambda_first), 0, hit.p));
+  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda - T(maps.lambda_first), 0, hit.p);
   // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
   const T sharp = std::exp2(specular.y * T(12));
   const T shortened = std::min(length, T(1));

@@ -30,6 +30,8 @@ struct SurfaceMaps {
   Texture diffuse;   // RGBA16 unorm, mips: linear albedo; a unused
   Texture specular;  // RG8 unorm, mips: r = strength / specular_scale, g = log2(exponent) / 12
   float specular_scale = 1;
+  float lambda_first = 0;  // lambda of mip 0; above 0 of a tail alone
+  int tail_mip = 0;        // mips from here on are stored apart from the finer ones (material/leading_part.h); 0: stored in one
 };
 
 struct Material {

@@ -34,8 +34,21 @@ LodenBandData bandData(const Band& band) {
   if (band.ratio) bits |= LODEN_BAND_RATIO;
   data.layout_ = {bits, band.y_quads, band.chroma_quads, band.quads()};
   std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
-  data.ratio_scale = band.ratio_scale;
+  data.ratio_scale = {band.ratio_scale.x, band.ratio_scale.y, 1, 0};
   return data;
+}
+
+// Reads the leading part's textures.
+void readLead(LodenBandData& data, const Band& band) {
+  data.layout_ = {data.layout_.x, band.lead_quads, 0, band.lead_quads};
+  data.mip.w *= float(band.quads()) / float(band.lead_quads);
+}
+
+// The quads behind the leading ones count by `share`.
+void fadeRest(LodenBandData& data, const Band& band, float share) {
+  for (int quad = band.lead_quads; quad < band.quads(); ++quad) data.quad_scale[quad] = band.quad_scale[size_t(quad)] * share;
+  data.ratio_scale.z = share;
+  data.ratio_scale.w = float(band.lead_quads);
 }
 
 Issue limitIssue(const Material& material, const std::string& text) {
@@ -105,27 +118,37 @@ LodenMaterialData makeMaterialData(const Material& m) {
     std::copy(mean.rows.begin(), mean.rows.end(), data.environment_mean);
     data.environment_unit = {mean.unit, 0, 0};
   }
+  if (m.surface) data.environment_unit.z = m.surface->lambda_first;
   for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b) data.bands[b] = bandData(m.bands[b]);
   return data;
+}
+
+float coarsestLevel(const Material& material) {
+  if (!material.surface) return material.lambda_max;
+  const SurfaceMaps& maps = *material.surface;
+  return maps.lambda_first + float(std::max({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1);
 }
 
 float coarsestFade(const Material& material) { return material.mode == Mode::kSurface ? 2 : 1; }
 
 float coarsestShare(const Material& material, const ResidentState& state) {
-  return glm::clamp((material.lambda_max - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);
+  return glm::clamp((coarsestLevel(material) - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);
 }
 
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state) {
-  data.mean_chroma.z = std::max(std::min(state.lambda, material.lambda_max), material.lambda_min);
+  data.mean_chroma.z = std::max(std::min(state.lambda, coarsestLevel(material)), material.lambda_min);
   data.mean_chroma.w = state.atlas.texels > 0 ? 1 : 0;
   data.flags.z = state.atlas.texels;
   data.flags.w = state.atlas.directions;
+  if (material.surface) data.environment_unit.z = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
   // A band that is needed at every lambda has no window to come in by: its weight follows the published
   // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
   const float share = coarsestShare(material, state);
   for (size_t b = 0; b < std::min<size_t>(material.bands.size(), LODEN_MAX_BANDS); ++b) {
     const Window& window = material.bands[b].window;
-    data.bands[b].window = windowData(window);
+    data.bands[b] = bandData(material.bands[b]);
+    if ((state.leads >> b & 1) != 0) readLead(data.bands[b], material.bands[b]);
+    else if (material.bands[b].lead_quads > 0) fadeRest(data.bands[b], material.bands[b], state.rest[b]);
     const bool resident = (state.bands >> b & 1) != 0;
     if (!resident)
       data.bands[b].window = {0, 0, 0, 0};

@@ -5,6 +5,7 @@
 
 #include "material/environment.h"
 #include "material/issues.h"
+#include "material/leading_part.h"
 #include "runtime/material_data.h"
 #include "shaders/loden_shared.h"
 
@@ -43,10 +44,19 @@ PartPlan storedVdimPart(const Material& material, float lambda_end) {
   return {PartKind::kStoredVdim, 0, {}, {gpuBytes(vdim.reference) + gpuBytes(vdim.packed), lambda_end}};
 }
 
-PartPlan surfacePart(const Material& material) {
+// The maps, or first their tail and further on the whole.
+void addSurface(std::vector<PartPlan>& parts, const Material& material) {
   const SurfaceMaps& maps = *material.surface;
-  const uint64_t bytes = gpuBytes(maps.normal) + gpuBytes(maps.diffuse) + gpuBytes(maps.specular);
-  return {PartKind::kSurface, 0, {}, {bytes, material.lambda_max + coarsestFade(material)}};
+  const bool split = maps.tail_mip > 0;
+  parts.push_back({split ? PartKind::kSurfaceTail : PartKind::kSurface, 0, {}, {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)}});
+}
+void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
+  const SurfaceMaps& maps = *material.surface;
+  if (maps.tail_mip == 0) return;
+  PartDesc desc{gpuBytes(maps), maps.lambda_first + float(maps.tail_mip)};
+  desc.takes_over = true;
+  const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) { return part.desc.lambda_end < desc.lambda_end; });
+  parts.insert(finer, {PartKind::kSurface, 0, {}, desc});
 }
 
 bool readsAtlas(Lookup lookup) { return lookup == Lookup::kFast || lookup == Lookup::kDefault; }
@@ -60,25 +70,25 @@ void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAt
   if (readsAtlas(lookup) && vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas)) parts.push_back(atlasPart(end, full));
 }
 
-uint64_t bandGpuBytes(const Band& band) {
-  return gpuBytes(band.weights) + gpuBytes(band.table) + environmentTableBytes(band);
-}
-
 void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
   for (int b = int(material.bands.size()) - 1; b >= 0; --b) {
     const Band& band = material.bands[size_t(b)];
-    if (band.domain == domain)
-      parts.push_back({PartKind::kBand, b, {}, {bandGpuBytes(band), bandEnd(material, band)}});
+    if (band.domain != domain) continue;
+    const float end = bandEnd(material, band);
+    const bool split = band.lead_quads > 0;
+    if (split) parts.push_back({PartKind::kBandLead, b, {}, {gpuBytes(leadOf(band)), end}});
+    parts.push_back({PartKind::kBand, b, {}, {gpuBytes(band), end, split}});
   }
 }
 
-Result<LoadedPart> loadBandPart(const AssetFile& file, int index) {
-  Result<Band> band = file.loadBand(index);
+Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Share share, const KeptTexels* kept) {
+  Result<Band> band = file.loadBand(index, share, kept ? &kept->lead : nullptr);
   if (!band) return band.issue();
   const Sampling weights = band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
   const Sampling table = band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
   Texture environment = environmentTable(file.skeleton(), *band);
   LoadedPart part;
+  if (share == AssetFile::Share::kFirst) part.kept = std::make_shared<KeptTexels>(KeptTexels{.lead = *band});
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
   part.textures.push_back({LODEN_UNIT_ENVIRONMENT + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
@@ -98,19 +108,19 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
     part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
-  if (size == kFirstVdimAtlas) part.geometry = std::make_shared<GeometryImage>(std::move(*image));
+  if (size == kFirstVdimAtlas) part.kept = std::make_shared<KeptTexels>(KeptTexels{.geometry = std::move(*image)});
   return part;
 }
 
-Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const GeometryImage* geometry, int threads) {
+Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads) {
   GeometryImage read;
-  if (!geometry) {
+  if (!kept) {
     Result<GeometryImage> image = file.loadGeometry();
     if (!image) return image.issue();
     read = std::move(*image);
   }
   LoadedPart part;
-  part.textures.push_back(depthTexture(buildVdimDepth(geometry ? *geometry : read, size, threads)));
+  part.textures.push_back(depthTexture(buildVdimDepth(kept ? kept->geometry : read, size, threads)));
   return part;
 }
 
@@ -123,10 +133,11 @@ Result<LoadedPart> loadStoredVdimPart(const AssetFile& file) {
   return part;
 }
 
-Result<LoadedPart> loadSurfacePart(const AssetFile& file) {
-  Result<SurfaceMaps> maps = file.loadSurface();
+Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share, const KeptTexels* kept) {
+  Result<SurfaceMaps> maps = file.loadSurface(share, kept ? &kept->tail : nullptr);
   if (!maps) return maps.issue();
   LoadedPart part;
+  if (share == AssetFile::Share::kFirst) part.kept = std::make_shared<KeptTexels>(KeptTexels{.tail = *maps});
   part.textures.push_back({LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
   part.textures.push_back({LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
   part.textures.push_back({LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});
@@ -150,6 +161,8 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
     all.push_back({what, t.shape, {t.width, t.height, t.depth}});
   };
   switch (part.kind) {
+    case PartKind::kBandLead:
+    case PartKind::kSurfaceTail: return;  // the whole follows, and is larger
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
       return add("a band table", material.bands[size_t(part.band)].table);
@@ -176,8 +189,9 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
   std::vector<PartPlan> parts;
   if (variant.kind == MaterialVariant::Kind::kSurface) {
     const float end = parallaxEnd(material);
-    parts.push_back(surfacePart(material));
+    addSurface(parts, material);
     addLookupPart(parts, material, variant.lookup, end, full_atlas);
+    addWholeSurface(parts, material);
     addFullAtlas(parts, variant.lookup, end, full_atlas);
     return parts;
   }
@@ -206,15 +220,24 @@ Status checkExtents(const Material& material, std::span<const PartPlan> parts, c
   return {};
 }
 
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const GeometryImage* geometry, int threads) {
+PartKind beginsWith(PartKind kind) {
+  if (kind == PartKind::kBand) return PartKind::kBandLead;
+  if (kind == PartKind::kAtlas) return PartKind::kGeometry;
+  return kind == PartKind::kSurface ? PartKind::kSurfaceTail : kind;
+}
+
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads) {
+  using enum AssetFile::Share;
   switch (plan.kind) {
-    case PartKind::kBand: return loadBandPart(file, plan.band);
+    case PartKind::kBandLead: return loadBandPart(file, plan.band, kFirst, nullptr);
+    case PartKind::kBand: return loadBandPart(file, plan.band, kAll, kept);
     case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads);
-    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, geometry, threads);
+    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads);
     case PartKind::kStoredVdim: return loadStoredVdimPart(file);
+    case PartKind::kSurfaceTail: return loadSurfacePart(file, kFirst, nullptr);
     case PartKind::kSurface: break;
   }
-  return loadSurfacePart(file);
+  return loadSurfacePart(file, kAll, kept);
 }
 
 }  // namespace loden::runtime

@@ -15,11 +15,11 @@
 
 namespace loden::runtime {
 
-enum class PartKind : uint8_t { kBand, kGeometry, kAtlas, kStoredVdim, kSurface };
+enum class PartKind : uint8_t { kBandLead, kBand, kGeometry, kAtlas, kStoredVdim, kSurfaceTail, kSurface };
 
 struct PartPlan {
   PartKind kind = PartKind::kBand;
-  int band = 0;         // of kBand: index in Material::bands
+  int band = 0;         // of kBandLead and kBand: index in Material::bands
   VdimAtlasSize atlas;  // of kGeometry, which brings a small one, and of kAtlas, which replaces that
   PartDesc desc;
 };
@@ -27,9 +27,9 @@ struct PartPlan {
 // Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is at lambda 0.
 inline constexpr float kFirstAtlasLambda = 1;
 
-// Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.
-// Surface maps come before their geometry. Last the full atlas, if it is larger than the first. Only what the variant
-// reads.
+// Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands. Surface maps come
+// before their geometry, or their tail does. A leading part (material/leading_part.h) stands before the whole, has textures of its
+// own, and is shown again when the whole goes. Last the full atlas, if it is larger than the first. Only what the variant reads.
 std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant, VdimAtlasSize full_atlas);
 
 // kLimit if a texture of one of the parts is larger than the driver takes.
@@ -45,15 +45,24 @@ struct PartTexture {
   const char* label = "";
   Texture texels;
 };
-struct LoadedPart {
-  std::vector<PartTexture> textures;
-  // Of a geometry part that a full atlas may follow: kept until that is built, since reading it again would cost more
-  // than 130 KB of memory do for the while.
-  std::shared_ptr<const GeometryImage> geometry;
+// What a part was made of, if a later part begins with the same: kept until that is asked for, since reading it again would cost
+// more than the memory does for the while.
+struct KeptTexels {
+  GeometryImage geometry;  // of kGeometry, for kAtlas
+  Band lead;               // of kBandLead, for kBand
+  SurfaceMaps tail;        // of kSurfaceTail, for kSurface
 };
 
-// Reads, checks and decompresses; builds VDIM atlases, of an atlas part from `geometry`, or, if it is null, from the
-// file. For the loading threads.
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const GeometryImage* geometry, int threads);
+struct LoadedPart {
+  std::vector<PartTexture> textures;
+  std::shared_ptr<const KeptTexels> kept;
+};
+
+// The kind of the part whose kept texels such a part begins with; its own kind if there is none.
+PartKind beginsWith(PartKind kind);
+
+// Reads, checks and decompresses; builds VDIM atlases. What is kept of the part that this one begins with is not read again;
+// null: all is read. For the loading threads.
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads);
 
 }  // namespace loden::runtime

@@ -35,7 +35,7 @@ struct Slot {
   std::shared_ptr<const AssetFile> file;
   MaterialVariant variant;
   std::vector<PartPlan> plan;
-  std::shared_ptr<const GeometryImage> geometry;  // until its full atlas is built
+  std::vector<std::shared_ptr<const KeptTexels>> kept;  // per part: until the part that begins with it is asked for
   std::vector<uint64_t> serials;  // per part: of the request that counts
   MaterialGpu gpu;
 };
@@ -151,6 +151,7 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   slot.variant = *variant;
   slot.plan = std::move(plan);
   slot.serials.assign(slot.plan.size(), 0);
+  slot.kept.resize(slot.plan.size());
   slot.gpu = MaterialGpu(file->skeleton(), *variant, name, slot.plan.size());
   const GlPixelStateScope scope;
   slot.gpu.create(impl.shared);
@@ -296,7 +297,7 @@ bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
   Slot& slot = slots[job.ticket.ref.slot];
   slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
-  if (job.part.geometry) slot.geometry = std::move(job.part.geometry);
+  slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
   residency.arrived(job.ticket.ref);
   countGeometry(job.ticket.ref);
 }
@@ -305,7 +306,7 @@ void MaterialSystem::Impl::evict(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = 0;
   slot.gpu.dropPart(ref.part);
-  if (slot.plan[ref.part].kind == PartKind::kGeometry) slot.geometry.reset();
+  slot.kept[ref.part].reset();
   loader.cancel(ref);
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
@@ -316,9 +317,10 @@ void MaterialSystem::Impl::request(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = next_serial++;
   const PartPlan& plan = slot.plan[ref.part];
-  std::shared_ptr<const GeometryImage> geometry;
-  if (plan.kind == PartKind::kAtlas) geometry = std::exchange(slot.geometry, {});
-  loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(geometry), options.atlas_threads});
+  std::shared_ptr<const KeptTexels> kept;
+  for (uint32_t part = 0; part < ref.part; ++part)
+    if (slot.plan[part].kind == beginsWith(plan.kind) && slot.plan[part].band == plan.band) kept = std::exchange(slot.kept[part], {});
+  loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(kept), options.atlas_threads});
 }
 
 ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
@@ -328,7 +330,14 @@ ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
   for (uint32_t part = 0; part < slot.plan.size(); ++part) {
     if (!residency.resident({index, part})) continue;
     const PartPlan& plan = slot.plan[part];
-    if (plan.kind == PartKind::kBand) state.bands |= 1u << plan.band;
+    const uint32_t band = 1u << plan.band;
+    if (plan.kind == PartKind::kBandLead) state.bands |= band, state.leads |= band;
+    if (plan.kind == PartKind::kBand) {
+      state.bands |= band;
+      state.leads &= ~band;
+      state.rest[size_t(plan.band)] = plan.desc.refines ? residency.shownShare({index, part}) : 1;
+    }
+    if (plan.kind == PartKind::kSurfaceTail || plan.kind == PartKind::kSurface) state.tail = plan.kind == PartKind::kSurfaceTail;
     if (plan.kind == PartKind::kGeometry || plan.kind == PartKind::kAtlas) state.atlas = plan.atlas;
   }
   return state;

@@ -21,9 +21,9 @@ uint32_t Residency::add(std::vector<PartDesc> parts) {
   material.alive = true;
   uint64_t bytes = 0;
   for (const PartDesc& desc : parts) {
-    LODEN_CHECK(desc.refines || material.parts.empty() || !material.parts.back().desc.refines);
+    LODEN_CHECK(!desc.refines || !material.parts.empty());
     bytes += desc.bytes;
-    if (bytes <= options_.floor_bytes && !desc.refines) ++material.floor_parts;
+    if (bytes <= options_.floor_bytes && !desc.refines && material.floor_parts == material.parts.size()) ++material.floor_parts;
     material.published = std::max(material.published, desc.lambda_end);
     material.parts.push_back({desc});
   }
@@ -103,7 +103,10 @@ void Residency::dropAll() {
 }
 
 void Residency::endFades() {
-  for (const uint32_t slot : active_) materials_[slot].published = missingLambda(materials_[slot]);
+  for (const uint32_t slot : active_) {
+    materials_[slot].published = missingLambda(materials_[slot]);
+    for (Part& part : materials_[slot].parts) part.share = part.state == State::kResident ? 1 : 0;
+  }
 }
 
 uint64_t Residency::residentBytes(const Material& material) const {
@@ -140,7 +143,7 @@ void Residency::deactivateWhatRests() {
   });
 }
 
-// Leading parts that this frame's demand asks for: the floor, as far as half the budget holds it where nobody looks.
+// Leading parts that this frame's demand asks for: the floor, where nobody looks as far as the share for that holds it.
 uint32_t Residency::wantedParts(const Material& material) {
   uint32_t count = 0;
   if (seen(material)) {
@@ -149,15 +152,17 @@ uint32_t Residency::wantedParts(const Material& material) {
       if (material.parts[i].desc.lambda_end > material.demanded) count = i + 1;
     return count;
   }
-  const auto fits = [this](uint64_t bytes) { return unseen_floor_bytes_ + bytes <= options_.budget_bytes / 2; };
+  const auto share = uint64_t(double(options_.budget_bytes) * double(options_.unseen_floor_share));
+  const auto fits = [&](uint64_t bytes) { return unseen_floor_bytes_ + bytes <= share; };
   for (; count < material.floor_parts && fits(material.parts[count].desc.bytes); ++count)
     unseen_floor_bytes_ += material.parts[count].desc.bytes;
   return count;
 }
 
-// Wanted parts, the most needed first: floors, then coarse before fine, then refinements. What is already there gets a head start,
-// so that two materials of equal need do not push each other out in turns. Floors that are there need no place
-// in the order: they come first anyway.
+// Wanted parts, the most needed first: floors, then what brings a material nearer to its demand, the furthest from it first, then
+// refinements. What is already there gets a head start, so that two materials of equal need do not push each other out in turns. Floors
+// that are there need no place in the order: they come first anyway. Nor do those of what is not seen, whose share is
+// theirs: they are only read last.
 void Residency::collectCandidates() {
   candidates_.clear();
   target_bytes_ = unseen_floor_bytes_ = resting_bytes_;
@@ -171,17 +176,19 @@ void Residency::collectCandidates() {
       if (i >= material.wanted_parts) continue;
       part.last_wanted = frame_;
       part.last_wanted_at = now_;
+      if (part.state == State::kFailed && part.desc.refines) continue;
       if (part.state == State::kFailed) break;
       const float head_start = part.state == State::kAbsent ? 0 : options_.hysteresis_lambda;
-      rank = std::min(rank, part.desc.lambda_end + head_start);
-      if (i < material.floor_parts && part.state == State::kResident &&
-          part.desc.bytes <= options_.budget_bytes - target_bytes_) {
+      const float own_rank = std::min(rank, tooCoarseWithout(part, material) + head_start);
+      if (!part.desc.refines) rank = own_rank;
+      const bool floor = i < material.floor_parts;
+      if (floor && (part.state == State::kResident || !seen(material)) && part.desc.bytes <= options_.budget_bytes - target_bytes_) {
         part.targeted = true;
         target_bytes_ += part.desc.bytes;
-        continue;
+        if (part.state == State::kResident) continue;
       }
-      const int rank_class = i < material.floor_parts ? 0 : part.desc.refines ? 2 : 1;
-      candidates_.push_back({{slot, i}, rank_class, rank});
+      const int rank_class = !seen(material) ? 3 : floor ? 0 : part.desc.refines ? 2 : 1;
+      candidates_.push_back({{slot, i}, rank_class, own_rank});
     }
   }
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
@@ -191,13 +198,25 @@ void Residency::collectCandidates() {
   });
 }
 
-// Marks as many candidates as the budget holds. A part that does not fit ends its material's list; smaller
+// Levels between what is shown without the part and what was asked for last.
+float Residency::tooCoarseWithout(const Part& part, const Material& material) {
+  return part.desc.lambda_end - std::max(material.demanded, 0.0f);
+}
+
+// Whether all is targeted that the part reads through.
+bool Residency::followsTargets(PartRef ref) const {
+  const std::vector<Part>& parts = materials_[ref.slot].parts;
+  for (uint32_t i = ref.part; i-- > 0;)
+    if (!parts[i].desc.refines) return parts[i].targeted;
+  return true;
+}
+
+// Marks as many candidates as the budget holds. A part that does not fit ends its material's list, if it does not refine; smaller
 // parts of others may still fit.
 void Residency::chooseTargets() {
   for (const Candidate& candidate : candidates_) {
     Part& part = at(candidate.ref);
-    const bool follows = candidate.ref.part == 0 || at({candidate.ref.slot, candidate.ref.part - 1}).targeted;
-    if (!follows || part.desc.bytes > options_.budget_bytes - target_bytes_) continue;
+    if (part.targeted || !followsTargets(candidate.ref) || part.desc.bytes > options_.budget_bytes - target_bytes_) continue;
     part.targeted = true;
     target_bytes_ += part.desc.bytes;
   }
@@ -240,8 +259,9 @@ bool Residency::makeRoom(uint64_t bytes, const Candidate& wanted) {
   while (options_.budget_bytes - committed_ < bytes) {
     if (next_victim_ == victims_.size()) return false;
     const Part& victim = at(victims_[next_victim_]);
+    const float victim_rank = tooCoarseWithout(victim, materials_[victims_[next_victim_].slot]);
     const bool lingers = victim.last_wanted < frame_ && frame_ - victim.last_wanted < options_.hysteresis_frames;
-    if (lingers && wanted.rank_class > 0 && wanted.rank < victim.desc.lambda_end + 1) return false;
+    if (lingers && wanted.rank_class > 0 && wanted.rank < victim_rank + 1) return false;
     evict(victims_[next_victim_++]);
   }
   return true;
@@ -261,7 +281,11 @@ bool Residency::mayLoad(PartRef ref) const {
   const std::vector<Part>& parts = materials_[ref.slot].parts;
   const Part& part = parts[ref.part];
   if (part.state != State::kAbsent || !part.targeted) return false;
-  return !part.desc.refines || (refining_ == 0 && (ref.part == 0 || parts[ref.part - 1].state == State::kResident));
+  if (part.desc.refines && refining_ > 0) return false;
+  const auto before = parts.begin() + ref.part;
+  return !(part.desc.refines || part.desc.takes_over) || std::all_of(parts.begin(), before, [](const Part& earlier) {
+    return earlier.desc.refines || earlier.state == State::kResident;
+  });
 }
 
 void Residency::requestLoads() {
@@ -285,15 +309,18 @@ void Residency::stopLoading(Part& part) {
   refining_ -= part.desc.refines;
 }
 
-// With what comes after it, which reads through it, and may still be under way.
+// With what comes after it, which reads through it unless it refines, and may still be under way.
 void Residency::evict(PartRef ref) {
   std::vector<Part>& parts = materials_[ref.slot].parts;
-  for (uint32_t i = uint32_t(parts.size()); i-- > ref.part;) {
+  if (parts.empty()) return;
+  const uint32_t end = parts[ref.part].desc.refines ? ref.part + 1 : uint32_t(parts.size());
+  for (uint32_t i = end; i-- > ref.part;) {
     Part& part = parts[i];
     if (part.state != State::kLoading && part.state != State::kResident) continue;
     if (part.state == State::kLoading) stopLoading(part);
     else --resident_parts_;
     part.state = State::kAbsent;
+    part.share = 0;
     committed_ -= part.desc.bytes;
     actions_.evict.push_back({ref.slot, i});
   }
@@ -316,6 +343,8 @@ void Residency::publish(Material& material, float seconds) {
   const float missing = missingLambda(material);
   const float step = std::min(seconds * options_.fade_levels_per_second, options_.fade_levels_per_frame);
   material.published = seen(material) ? std::max(missing, material.published - step) : missing;
+  for (Part& part : material.parts)
+    if (part.desc.refines && part.state == State::kResident) part.share = seen(material) ? std::min(part.share + step, 1.0f) : 1;
 }
 
 // Unseen, and holds what is wanted of it, as far as the file gives it, and no more.
@@ -324,7 +353,7 @@ bool Residency::rests(const Material& material) const {
   bool broken = false;
   for (uint32_t i = 0; i < material.parts.size(); ++i) {
     const State state = material.parts[i].state;
-    broken = broken || state == State::kFailed;
+    broken = broken || (state == State::kFailed && !material.parts[i].desc.refines);
     const bool wanted = i < material.wanted_parts && !broken;
     if (state == State::kLoading || state == (wanted ? State::kAbsent : State::kResident)) return false;
   }

@@ -15,9 +15,10 @@ namespace loden::runtime {
 
 struct ResidencyOptions {
   uint64_t budget_bytes = 64u << 20;
-  // Leading parts up to this many bytes stay resident, visible or not; of what is not visible, as many as half the
+  // Leading parts up to this many bytes stay resident, visible or not; of what is not visible, as many as this share of the
   // budget holds.
   uint64_t floor_bytes = 64u << 10;
+  float unseen_floor_share = 0.25f;
   float fade_levels_per_second = 4;  // of detail that arrives in view
   float fade_levels_per_frame = 1.0f / 15;  // at most, however long a frame takes
   int hysteresis_frames = 8;         // a part that is no longer wanted stays this many frames
@@ -29,9 +30,11 @@ struct ResidencyOptions {
 struct PartDesc {
   uint64_t bytes = 0;    // of GPU memory
   float lambda_end = 0;  // the part is needed where lambda is below
-  // It only replaces an earlier part by a better one: detail is shown without it. Such parts end the list, and are asked
-  // for when the rest of it is there, one of all materials at a time, after all that does not refine.
+  // It only replaces an earlier part by a better one: detail is shown without it, and nothing reads through it. It is asked
+  // for when what stands before it is there, one of all materials at a time, after all that does not refine.
   bool refines = false;
+  // It takes over from an earlier part: asked for when what stands before it is there.
+  bool takes_over = false;
 };
 
 struct PartRef {
@@ -70,6 +73,9 @@ class Residency {
   // Detail below this is not to be shown: what is resident, faded in where it arrived in view. lambda_end of the
   // first part at most.
   float publishedLambda(uint32_t slot) const { return materials_[slot].published; }
+  // How far a part that refines has taken the place of what it replaces: 0 where it is not resident, rising to 1 where it arrived in
+  // view, by as much as lambda would change.
+  float shownShare(PartRef part) const { return materials_[part.slot].parts[part.part].share; }
   bool resident(PartRef part) const { return materials_[part.slot].parts[part.part].state == State::kResident; }
   uint64_t committedBytes() const { return committed_; }
   int residentParts() const { return resident_parts_; }
@@ -84,6 +90,7 @@ class Residency {
   struct Part {
     PartDesc desc;
     State state = State::kAbsent;
+    float share = 0;           // shownShare
     bool targeted = false;     // in this frame's target set
     int64_t last_wanted = -1;  // frame
     double last_wanted_at = 0;  // seconds
@@ -101,11 +108,13 @@ class Residency {
   };
   struct Candidate {
     PartRef ref;
-    int rank_class;  // lower comes first: floors, detail, refinements
-    float rank;      // higher comes first
+    int rank_class;  // lower comes first: floors, detail, refinements, floors of what is not seen, which have their own share
+    float rank;      // higher comes first: by how many levels the material is shown too coarse without the part
   };
 
   Part& at(PartRef ref) { return materials_[ref.slot].parts[ref.part]; }
+  static float tooCoarseWithout(const Part& part, const Material& material);
+  bool followsTargets(PartRef ref) const;
   void activate(uint32_t slot);
   void deactivateWhatRests();
   uint64_t residentBytes(const Material& material) const;

@@ -20,7 +20,7 @@ constexpr int kLoadNicer = 10, kRefineNicer = 19;
 // Memory above all: a part that does not fit is a part that failed, not the end of the process.
 Result<LoadedPart> loadRequest(const LoadingThreads::Request& request) {
   try {
-    return loadPart(*request.file, request.plan, request.geometry.get(), request.atlas_threads);
+    return loadPart(*request.file, request.plan, request.kept.get(), request.atlas_threads);
   } catch (const std::exception& exception) {
     return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,
                  std::string("a part could not be prepared: ") + exception.what()};

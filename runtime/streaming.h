@@ -45,7 +45,7 @@ class LoadingThreads {
     PartTicket ticket;
     std::shared_ptr<const AssetFile> file;
     PartPlan plan;
-    std::shared_ptr<const GeometryImage> geometry;  // of kAtlas; null: read again
+    std::shared_ptr<const KeptTexels> kept;  // of the part that this one begins with; null: read again
     int atlas_threads = 1;
   };
   struct Delivery {

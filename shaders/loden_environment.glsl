@@ -54,6 +54,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
   vec2 mip = loden_material.bands[band].mip.xy;
   float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
   int quads = layout_.y + layout_.z;
+  vec4 ratio_scale = loden_material.bands[band].ratio_scale;
   vec2 size = loden_material.bands[band].grid.yx;
   vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
   vec3 at = vec3(view * (size - 1.0) + 0.5, 0.5) * texel_size;
@@ -70,6 +71,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
       blue += light.c[k].b * texel;
     }
     vec4 weights = loden_fetch_weights(band, quad, q, lod);
+    weights *= float(quad) < ratio_scale.w ? 1.0 : ratio_scale.z;
     red *= weights;
     green *= weights;
     blue *= weights;
@@ -79,7 +81,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
     for (int c = 0; c < 3; ++c) sum[c] += luminance ? vec3(halves[c].y + halves[c].z, 0.0, 0.0) : halves[c];
   } while (++quad < quads);
   if ((layout_.x & LODEN_BAND_RATIO) != 0) {
-    vec2 ratio = loden_fetch_weights(band, layout_.w, q, lod).xy * loden_material.bands[band].ratio_scale.xy;
+    vec2 ratio = loden_fetch_weights(band, layout_.w, q, lod).xy * ratio_scale.xy;
     for (int c = 0; c < 3; ++c) sum[c].yz += ratio * (sum[c].x + mean[c].x) - mean[c].yz;
   }
   return sum;

@@ -142,13 +142,14 @@ struct LodenSurface {
 LodenSurface loden_fetch_surface(LodenHit hit) {
   LODEN_COUNT(LODEN_UNIT_NORMAL, 1);
   LODEN_COUNT(LODEN_UNIT_DIFFUSE, 1);
-  vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), hit.lambda).xyz;
-  vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), hit.lambda).xyz;
+  float lod = hit.lambda - loden_material.environment_unit.z;
+  vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), lod).xyz;
+  vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), lod).xyz;
   vec2 specular = vec2(0.0);
   // A loop, so that renderers which run both sides of every branch skip it too.
   for (int k = 0; k < (loden_material.flags.x & LODEN_SPECULAR) / LODEN_SPECULAR; ++k) {
     LODEN_COUNT(LODEN_UNIT_SPECULAR, 1);
-    specular = textureLod(loden_specular, vec3(hit.p, 0.0), hit.lambda).xy;
+    specular = textureLod(loden_specular, vec3(hit.p, 0.0), lod).xy;
   }
   float length_ = max(sqrt(dot(mapped, mapped)), 1e-4);
   // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.

@@ -57,7 +57,7 @@ struct LodenBandData {
   vec4 grid;       // thetas, phis of the table, 1 / thetas^2, 1 / phis; of nearest tables: of the views for the environment
   ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
   vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
-  vec4 ratio_scale;                  // of the ratio layer
+  vec4 ratio_scale;                  // of the ratio layer; share of what quads add from w on, which quad_scale holds already; w
 };
 
 struct LodenMaterialData {
@@ -69,7 +69,7 @@ struct LodenMaterialData {
   vec4 surface;     // specular_scale, reference texels per side, value_scale, lambda_max
   vec4 paper;       // range.x, range.y, zeniths, azimuths of the paper's VDIM
   vec4 environment_mean[LODEN_ENVIRONMENT_THETAS];  // EnvironmentMean::rows
-  vec4 environment_unit;                            // EnvironmentMean::unit, unused x 2
+  vec4 environment_unit;                            // EnvironmentMean::unit, lambda of the surface maps' mip 0, unused
   LodenBandData bands[LODEN_MAX_BANDS];
 };
 

@@ -15,6 +15,7 @@
 #include "importer/fit/ratio_fit.h"
 #include "importer/progress.h"
 #include "material/evaluate.h"
+#include "material/leading_part.h"
 
 namespace loden::importer {
 namespace {
@@ -152,6 +153,7 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
   const Band& last = m.bands.back();
   m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
+  splitLeadingParts(m);
   const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads);
   return {std::move(m), error, std::move(atlas.trials)};
 }

@@ -5,6 +5,7 @@
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
 #include "material/issues.h"
+#include "material/leading_part.h"
 
 namespace loden::importer {
 namespace {
@@ -131,6 +132,7 @@ Result<Material> cookLod(const BtfSource& source, const CookOptions& options) {
   if (!btf) return btf.issue();
   auto m = fitLod(source, *btf, options);
   if (!m) return m;
+  splitLeadingParts(*m);
   const BtfError error = measureError(*m, *btf, source.lights(), source.views(), {}, options.threads);
   m->meta_json = cookMeta(*m, source.name(), presetName(options.preset), &error);
   return m;

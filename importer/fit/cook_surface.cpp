@@ -8,6 +8,7 @@
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/paper_vdim.h"
+#include "material/leading_part.h"
 
 namespace loden::importer {
 namespace {
@@ -95,6 +96,7 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
     m.stored_vdim = packPaperVdim(*vdim, manifest.size, size.x, size.y);
   }
   if (const Status status = fitMean(input, options, m); !status.ok()) return status.issue();
+  splitLeadingParts(m);
   m.meta_json = cookMeta(m, manifest.tile, presetName(options.preset), nullptr, {}, atlas.trials);
   return m;
 }

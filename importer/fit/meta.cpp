@@ -6,6 +6,7 @@
 
 #include "importer/fit/lookup_error.h"
 #include "material/environment.h"
+#include "material/leading_part.h"
 
 namespace loden::importer {
 
@@ -79,7 +80,7 @@ uint64_t rawFileBytes(const Material& material) {
 }
 
 uint64_t residentBytes(const Material& material) {
-  uint64_t bytes = rawFileBytes(material);
+  uint64_t bytes = rawFileBytes(material) + leadingPartBytes(material);
   for (const Band& band : material.bands) bytes += environmentTableBytes(band);  // made by the runtime
   if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
   // The atlas holds a packed copy of the geometry, which itself does not go to the GPU.

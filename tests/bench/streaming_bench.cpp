@@ -59,7 +59,10 @@ uint64_t neededBytes(const SceneAsset& asset, float lambda) {
     if (part.desc.lambda_end <= lambda) continue;
     if (part.kind == PartKind::kBand) bytes += file.bandStoredBytes(part.band);
     if (part.kind == PartKind::kGeometry) bytes += file.geometryStoredBytes();
-    if (part.kind == PartKind::kSurface) bytes += file.surfaceStoredBytes();
+    // Of split maps the tail and the rest; a band's leading part is needed where the whole is, which counts it.
+    if (part.kind == PartKind::kSurfaceTail) bytes += file.surfaceStoredBytes(AssetFile::Share::kFirst);
+    if (part.kind == PartKind::kSurface)
+      bytes += file.surfaceStoredBytes() - (part.desc.takes_over ? file.surfaceStoredBytes(AssetFile::Share::kFirst) : 0);
   }
   return bytes;
 }

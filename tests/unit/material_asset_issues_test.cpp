@@ -42,9 +42,9 @@ std::vector<RawChunk> rawChunks(const Material& material) {
       const auto text = std::as_bytes(std::span(material.meta_json));
       chunk = {kMeta, {text.begin(), text.end()}, 0};
     }
-    for (const Texture* t : partTextures(material, part)) {
-      chunk.raw.insert(chunk.raw.end(), t->data.begin(), t->data.end());
-    }
+    if (part.share != Part::Share::kWhole) chunk.raw = gatherTexels(material, part);
+    else
+      for (const Texture* t : partTextures(material, part)) chunk.raw.insert(chunk.raw.end(), t->data.begin(), t->data.end());
     chunks.push_back(std::move(chunk));
   }
   return chunks;
@@ -100,8 +100,8 @@ void expectForgedTableRejected(int id, const std::function<void(Chunks&)>& forge
 }
 
 TEST(AssetIssues, ForgedFilesAreWhatTheWriterWritesIfNothingIsForged) {
-  const Material material = test::fusedMaterial();
-  EXPECT_TRUE(assemble(rawChunks(material)) == *serializeAsset(material));
+  for (const Material& material : {test::fusedMaterial(), test::splitFusedMaterial(), test::splitSurfaceMaterial()})
+    EXPECT_TRUE(assemble(rawChunks(material)) == *serializeAsset(material));
 }
 
 TEST(AssetIssues, Magic) {
@@ -214,16 +214,17 @@ TEST(AssetIssues, Limit) {
 }
 
 TEST(AssetIssues, HeaderCountsAreCheckedBeforeTheyAreBelieved) {
-  const Material material = test::lodMaterial();
-  const Bytes head = encodeHeader(material);
   // Each 32-bit field in turn becomes huge: an issue, quickly, and no allocation to match.
-  for (size_t at = 0; at + 4 <= head.size(); at += 4) {
-    std::vector<RawChunk> chunks = rawChunks(material);
-    std::memset(chunks[0].raw.data() + at, 0x7f, 4);
-    const Bytes file = assemble(chunks);
-    const Result<Material> read = parseAsset(file, "test");
-    if (read.ok()) {
-      EXPECT_LT(validateAsset(file, "test").size(), 1u);
+  for (const Material& material : {test::lodMaterial(), test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
+    const size_t head = encodeHeader(material).size();
+    for (size_t at = 0; at + 4 <= head; at += 4) {
+      std::vector<RawChunk> chunks = rawChunks(material);
+      std::memset(chunks[0].raw.data() + at, 0x7f, 4);
+      const Bytes file = assemble(chunks);
+      const Result<Material> read = parseAsset(file, "test");
+      if (read.ok()) {
+        EXPECT_LT(validateAsset(file, "test").size(), 1u);
+      }
     }
   }
 }
@@ -240,6 +241,22 @@ TEST(AssetIssues, Order) {
   std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
   std::swap(chunks[1], chunks[2]);
   expectRejected(assemble(chunks), issue_id::kOrder);
+}
+
+// A leading part and its rest are held against the header's numbers one by one.
+TEST(AssetIssues, SplitPartsOfTheWrongSize) {
+  for (const Material& material : {test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
+    const std::vector<Part> parts = partsOf(material);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].share == Part::Share::kWhole) continue;
+      std::vector<RawChunk> chunks = rawChunks(material);
+      chunks[i].raw.pop_back();
+      expectRejected(assemble(chunks), issue_id::kMapSize);
+    }
+    std::vector<RawChunk> chunks = rawChunks(material);
+    chunks.erase(std::find_if(chunks.begin(), chunks.end(), [](const RawChunk& c) { return c.type == kBand || c.type == kSurf; }));
+    expectRejected(assemble(chunks), issue_id::kMissingChunk);
+  }
 }
 
 // --- the material: the writer refuses what the readers refuse ---
@@ -321,6 +338,9 @@ TEST(AssetIssues, BandField) {
                            m.bands[0].window = {0, 1, 2, kInfinity};
                          },
                          [](Material& m) { m.bands[1].lambda_first = 33; },
+                         [](Material& m) { m.bands[1].lead_quads = -1; },
+                         [](Material& m) { m.bands[1].lead_quads = 2; },
+                         [](Material& m) { m.bands[0].lead_quads = 1; },
                          [](Material& m) { m.bands[0].quad_scale[0].z = kNan; },
                          [](Material& m) { m.bands[0].ratio_scale.x = kInfinity; },
                          [](Material& m) { m.bands[0].weights.format = TexelFormat::kRGBA8Unorm; },
@@ -363,6 +383,10 @@ TEST(AssetIssues, MapField) {
                          [](Material& m) { m.stored_vdim->range.y = kInfinity; },
                          [](Material& m) { m.surface->specular_scale = kNan; },
                          [](Material& m) { m.surface->normal.mips = 9; },
+                         [](Material& m) { m.surface->diffuse.mips = 3; },
+                         [](Material& m) { m.surface->lambda_first = -1; },
+                         [](Material& m) { m.surface->tail_mip = 4; },
+                         [](Material& m) { m.surface->tail_mip = -1; },
                      });
 }
 

@@ -6,7 +6,9 @@
 #include <memory>
 
 #include "material/asset.h"
+#include "material/evaluate.h"
 #include "material/issues.h"
+#include "material/leading_part.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {
@@ -15,7 +17,8 @@ namespace {
 using test::expectSame;
 using Bytes = std::vector<std::byte>;
 
-const auto kMakers = {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial};
+const auto kMakers = {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::splitSurfaceMaterial,
+                      test::splitFusedMaterial};
 
 Bytes serialized(const Material& material) {
   Result<Bytes> bytes = serializeAsset(material);
@@ -77,6 +80,111 @@ TEST(Asset, OrdersChunksFromCoarseToFine) {
   EXPECT_EQ(file->bandStoredBytes(0), file->chunks()[3].stored_bytes);
 }
 
+// Bytes read through it.
+class Counter final : public ByteSource {
+ public:
+  explicit Counter(Bytes bytes) : source_(memorySource(std::move(bytes), "test")) {}
+  uint64_t size() const override { return source_->size(); }
+  Status read(uint64_t offset, std::span<std::byte> into) const override {
+    count += into.size();
+    return source_->read(offset, into);
+  }
+  mutable uint64_t count = 0;
+
+ private:
+  std::unique_ptr<ByteSource> source_;
+};
+
+TEST(Asset, LoadsALeadingPartByItselfAndThenTheRestAlone) {
+  using enum AssetFile::Share;
+  for (const Material& material : {test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
+    SCOPED_TRACE(material.name);
+    const auto counter = std::make_shared<Counter>(serialized(material));
+    const Result<AssetFile> file = AssetFile::open(counter, "test");
+    ASSERT_TRUE(file.ok());
+    const bool bands = !material.bands.empty();
+    const uint64_t stored = bands ? file->bandStoredBytes(1) : file->surfaceStoredBytes();
+    counter->count = 0;
+    Material expected = material, lead = material, whole = material;
+    if (bands) {
+      expected.bands[1] = leadOf(material.bands[1]);
+      lead.bands[1] = *file->loadBand(1, kFirst);
+    } else {
+      expected.surface = tailOf(*material.surface);
+      lead.surface = *file->loadSurface(kFirst);
+    }
+    expectSame(lead, expected);
+    EXPECT_GT(counter->count, 0u);
+    EXPECT_LT(counter->count, stored);
+    if (bands) whole.bands[1] = *file->loadBand(1, kAll, &lead.bands[1]);
+    else whole.surface = *file->loadSurface(kAll, &*lead.surface);
+    expectSame(whole, material);
+    EXPECT_EQ(counter->count, stored) << "each byte once";
+  }
+}
+
+TEST(Asset, PrefixWithALeadingPartAloneIsThatPart) {
+  const auto prefixOf = [](const Material& material, size_t chunk) {
+    const Bytes bytes = serialized(material);
+    const ChunkInfo last = openBytes(bytes)->chunks()[chunk];
+    return *parseAsset(prefix(bytes, last.offset + last.stored_bytes), "test");
+  };
+  const Material fused = test::splitFusedMaterial(), surface = test::splitSurfaceMaterial();
+  const Material coarse = prefixOf(fused, 1);
+  ASSERT_EQ(coarse.bands.size(), 1u);
+  EXPECT_EQ(coarse.bands[0].y_quads, 2);
+  EXPECT_EQ(coarse.bands[0].chroma_quads, 0);
+  EXPECT_TRUE(coarse.bands[0].ratio);
+  EXPECT_TRUE(coarse.bands[0].table.data == leadOf(fused.bands[1]).table.data);
+  EXPECT_TRUE(coarse.bands[0].weights.data == leadOf(fused.bands[1]).weights.data);
+  EXPECT_EQ(coarse.lambda_min, prefixOf(fused, 2).lambda_min) << "fewer quads are no coarser level";
+
+  const Material tail = prefixOf(surface, 3);
+  EXPECT_EQ(tail.surface->diffuse.width, 2);
+  EXPECT_EQ(tail.surface->lambda_first, 2);
+  const glm::vec3 wi(0.1f, 0.2f, 0.97f), wo(0, 0, 1);
+  const Evaluator a(tail), b(surface);
+  const auto value = [&](const Evaluator& e, float lambda) {
+    return e.evaluate(e.findHit(glm::vec2(0.3f, 0.8f), lambda, wo, Lookup::kNone), wi, wo);
+  };
+  EXPECT_EQ(value(a, 0.0f), value(b, 2.0f)) << "nothing finer";
+  EXPECT_EQ(value(a, 2.5f), value(b, 2.5f));
+  EXPECT_TRUE(std::equal(tail.surface->diffuse.data.rbegin(), tail.surface->diffuse.data.rend(),
+                         surface.surface->diffuse.data.rbegin()));
+}
+
+TEST(Asset, SplitsWhatIsLargerThanALeadingPart) {
+  Material small = test::splitFusedMaterial();
+  splitLeadingParts(small);
+  EXPECT_EQ(small.bands[1].lead_quads, 0) << "fits as a whole";
+
+  Material fused = test::fusedMaterial();
+  Band& band = fused.bands[1];
+  band.y_quads = 5;
+  band.chroma_quads = 0;
+  band.ratio = true;
+  band.quad_scale.assign(5, glm::vec4(1));
+  band.weights = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 32, 32, 6, 6);
+  band.table = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 18, 36, 5 * 18);
+  const uint64_t whole = gpuBytes(band);
+  splitLeadingParts(fused);
+  EXPECT_EQ(band.lead_quads, 1);
+  EXPECT_LE(gpuBytes(leadOf(band)), kLeadingPartBytes);
+  EXPECT_EQ(leadingPartBytes(fused), gpuBytes(leadOf(band)));
+  EXPECT_EQ(gpuBytes(band), whole);
+  EXPECT_TRUE(validateAsset(serialized(fused), "test").empty());
+  band.table = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 5 * 25);
+  splitLeadingParts(fused);
+  EXPECT_EQ(band.lead_quads, 0) << "not even one quad fits";
+
+  Material surface = test::surfaceMaterial();
+  for (Texture* map : {&surface.surface->normal, &surface.surface->diffuse, &surface.surface->specular})
+    *map = Texture::make(map->format, map->shape, 64, 64, 1, 7);
+  splitLeadingParts(surface);
+  EXPECT_EQ(surface.surface->tail_mip, 1);
+  EXPECT_LE(gpuBytes(tailOf(*surface.surface)), kLeadingPartBytes);
+}
+
 TEST(Asset, PutsMapsFirstIfTheCoarsestBandIsFlat) {
   Material material = test::fusedMaterial();
   material.bands.pop_back();
@@ -122,7 +230,7 @@ TEST(Asset, PrefixOfLodStartsAtItsFinestWholeLevel) {
 }
 
 TEST(Asset, RejectsTruncationAtEveryByte) {
-  const Bytes bytes = serialized(test::fusedMaterial());
+  const Bytes bytes = serialized(test::splitFusedMaterial());
   const Result<AssetFile> whole = openBytes(bytes);
   const auto isWhole = [&](size_t size) {  // ends behind a chunk, or in the padding that follows
     for (size_t i = 0; i < whole->chunks().size(); ++i) {
@@ -158,7 +266,7 @@ TEST(Asset, DrawsTheWholeChunksOfACutFile) {
 }
 
 TEST(Asset, NoticesEveryFlippedBit) {
-  const Bytes bytes = serialized(test::fusedMaterial());
+  const Bytes bytes = serialized(test::splitFusedMaterial());
   const size_t head_end = 1024;  // all bits up to here, one bit of each byte behind
   for (size_t at = 0; at < bytes.size(); ++at) {
     for (int bit = 0; bit < (at < head_end ? 8 : 1); ++bit) {

@@ -90,6 +90,7 @@ void expectSame(const Band& a, const Band& b) {
   EXPECT_EQ(a.y_quads, b.y_quads);
   EXPECT_EQ(a.chroma_quads, b.chroma_quads);
   EXPECT_EQ(a.ratio, b.ratio);
+  EXPECT_EQ(a.lead_quads, b.lead_quads);
   EXPECT_TRUE(a.quad_scale == b.quad_scale);
   EXPECT_TRUE(a.ratio_scale == b.ratio_scale);
   expectSame(a.weights, b.weights);
@@ -113,6 +114,8 @@ void expectSameMaps(const Material& a, const Material& b) {
   ASSERT_EQ(a.surface.has_value(), b.surface.has_value());
   if (!a.surface) return;
   EXPECT_EQ(a.surface->specular_scale, b.surface->specular_scale);
+  EXPECT_EQ(a.surface->lambda_first, b.surface->lambda_first);
+  EXPECT_EQ(a.surface->tail_mip, b.surface->tail_mip);
   expectSame(a.surface->normal, b.surface->normal);
   expectSame(a.surface->diffuse, b.surface->diffuse);
   expectSame(a.surface->specular, b.surface->specular);
@@ -188,6 +191,29 @@ Material fusedMaterial() {
   material.atlas = {24, 18};
   material.bands.push_back(gridBand(Domain::kFlat, 1, {3, 5, material.theta_max}, 30));
   material.bands.push_back(gridBand(Domain::kReference, 3, {4, 7, material.theta_max}, 40));
+  return material;
+}
+
+Material splitFusedMaterial() {
+  Material material = fusedMaterial();
+  material.name = "split fused";
+  Band& band = material.bands[1];
+  band.y_quads = 2;
+  band.ratio = true;
+  band.lead_quads = 2;
+  band.quad_scale.push_back(glm::vec4(0.02f));
+  band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide / 2, kSide / 2, 5, 3, 44);
+  for (int mip = 0; mip < 3; ++mip)
+    for (int t = 0; t < band.weights.mipWidth(mip) * band.weights.mipHeight(mip); ++t)
+      storeTexel(band.weights, mip, t % band.weights.mipWidth(mip), t / band.weights.mipWidth(mip), 4, glm::vec4(0));
+  band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 7, 16, 3 * 7, 1, 45);
+  return material;
+}
+
+Material splitSurfaceMaterial() {
+  Material material = surfaceMaterial();
+  material.name = "split surface";
+  material.surface->tail_mip = 2;
   return material;
 }
 

@@ -15,6 +15,10 @@ Material surfaceMaterial();  // geometry image, stored VDIM, three maps, no band
 Material lodMaterial();      // three nearest-layout bands, RGBA32F, one spare layer
 Material fusedMaterial();    // flat band with ratio, reference band with mips, geometry image, 8 bit
 
+// The same, with the reference band (three quads, a ratio and a spare layer) and the maps in two chunks each.
+Material splitFusedMaterial();
+Material splitSurfaceMaterial();
+
 // Every field and texel.
 void expectSame(const Material& a, const Material& b);
 

@@ -30,12 +30,8 @@ class Listing {
     if (material.stored_vdim) listTexels("VDIM", material.stored_vdim->reference);
     if (material.stored_vdim) listTexels("VDIM", material.stored_vdim->packed);
     while (band != material.bands.rend()) listTexels(*band++);
-    if (material.surface) {
-      for (const Texture* map :
-           {&material.surface->normal, &material.surface->diffuse, &material.surface->specular}) {
-        listTexels("SURF", *map);
-      }
-    }
+    if (material.surface && material.surface->tail_mip > 0) listSplit(*material.surface);
+    else if (material.surface) listMaps(*material.surface);
     if (!material.meta_json.empty()) line("META", hash(material.meta_json.data(), material.meta_json.size()));
   }
 
@@ -102,7 +98,7 @@ class Listing {
     std::string scales;
     for (const glm::vec4& s : band.quad_scale) append(scales, bits({s.x, s.y, s.z, s.w}));
     const glm::vec4& ratio = band.ratio_scale;
-    line("quads", band.y_quads, band.chroma_quads, band.ratio ? 1 : 0,
+    line("quads", band.y_quads, band.chroma_quads, band.ratio ? 1 : 0, band.lead_quads,
          bits({ratio.x, ratio.y, ratio.z, ratio.w}), scales);
   }
 
@@ -116,15 +112,55 @@ class Listing {
       const PaperVdim& vdim = *m.stored_vdim;
       line("vdim", vdim.side, vdim.zeniths, vdim.azimuths, bits({vdim.range.x, vdim.range.y}));
     }
-    if (m.surface) line("surface", bits({m.surface->specular_scale}));
+    if (m.surface) line("surface", bits({m.surface->specular_scale, m.surface->lambda_first}), m.surface->tail_mip);
   }
 
   void listTexels(const char* chunk, const Texture& t) {
     line(chunk, number(t.format), t.width, t.height, t.depth, t.mips, hash(t.data.data(), t.data.size()));
   }
   void listTexels(const Band& band) {
+    if (band.lead_quads > 0) return listSplit(band);
     listTexels("BAND", band.weights);
     listTexels("BAND", band.table);
+  }
+  void listMaps(const SurfaceMaps& maps) {
+    for (const Texture* map : {&maps.normal, &maps.diffuse, &maps.specular}) listTexels("SURF", *map);
+  }
+
+  // Texels [begin, end) of one mip of a texture, layer by layer, appended to a share's bytes.
+  static void appendLayers(const Texture& t, int mip, int begin, int end, std::vector<std::byte>& share) {
+    const size_t layer = t.mipBytes(mip) / static_cast<size_t>(t.depth);
+    for (size_t z = static_cast<size_t>(begin); z < static_cast<size_t>(end); ++z) {
+      const auto from = t.data.begin() + static_cast<ptrdiff_t>(t.mipOffset(mip) + z * layer);
+      share.insert(share.end(), from, from + static_cast<ptrdiff_t>(layer));
+    }
+  }
+  void listShare(const char* chunk, const char* what, const std::vector<std::byte>& share) {
+    line(chunk, what, share.size(), hash(share.data(), share.size()));
+  }
+  void listSplit(const Band& band) {
+    const int lead = band.lead_quads, quads = band.quads(), slices = band.table.depth / quads;
+    std::vector<std::byte> shares[2][2];  // [leading, rest][weights, table]
+    for (int mip = 0; mip < band.weights.mips; ++mip) {
+      appendLayers(band.weights, mip, 0, lead, shares[0][0]);
+      if (band.ratio) appendLayers(band.weights, mip, quads, quads + 1, shares[0][0]);
+      appendLayers(band.weights, mip, lead, quads, shares[1][0]);
+      appendLayers(band.weights, mip, band.layers(), band.weights.depth, shares[1][0]);
+    }
+    appendLayers(band.table, 0, 0, lead * slices, shares[0][1]);
+    appendLayers(band.table, 0, lead * slices, band.table.depth, shares[1][1]);
+    for (const auto& share : shares) {
+      listShare("BAND", "weights", share[0]);
+      listShare("BAND", "table", share[1]);
+    }
+  }
+  void listSplit(const SurfaceMaps& maps) {
+    for (const bool tail : {true, false})
+      for (const Texture* map : {&maps.normal, &maps.diffuse, &maps.specular}) {
+        std::vector<std::byte> share;
+        for (int mip = tail ? maps.tail_mip : 0; mip < (tail ? map->mips : maps.tail_mip); ++mip) appendLayers(*map, mip, 0, 1, share);
+        listShare("SURF", "map", share);
+      }
   }
 
   std::ostringstream text_;
@@ -148,7 +184,8 @@ TEST(IndependentReader, FindsWhatTheWriterWasGiven) {
   const std::string script = std::string(LODEN_TESTS_DIR) + "/unit/independent_reader/read_asset.py";
   const auto path =
       std::filesystem::temp_directory_path() / ("loden-reader-" + std::to_string(getpid()) + ".loden");
-  for (const auto make : {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial}) {
+  for (const auto make : {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::splitSurfaceMaterial,
+                          test::splitFusedMaterial}) {
     const Material material = make();
     SCOPED_TRACE(material.name);
     ASSERT_TRUE(writeAsset(material, path).ok());

@@ -74,14 +74,32 @@ def read_directions(head, name):
 
 def read_band(head, place):
     print("band", place, *head.u32(3), head.bits(5))
-    y_quads, chroma_quads, ratio = head.u32(3)
+    y_quads, chroma_quads, ratio, lead = head.u32(4)
     weights, table = head.u32(5), head.u32(4)
-    print("quads", y_quads, chroma_quads, ratio, head.bits(4), head.bits(4 * (y_quads + chroma_quads)))
-    return [texture(*weights), texture(*table, 1)]
+    quads = y_quads + chroma_quads
+    print("quads", y_quads, chroma_quads, ratio, lead, head.bits(4), head.bits(4 * quads))
+    if lead == 0:
+        return [("BAND", [texture(*weights), texture(*table, 1)])]
+    rest = quads - lead
+    shares = [(lead, lead + ratio), (rest, weights[3] - lead - ratio)]  # quads, and layers of the weights
+    return [("BAND", [("weights", (), texture(*weights[:3], layers, weights[4])[2]),
+                      ("table", (), texture(*table[:3], table[3] // quads * share, 1)[2])]) for share, layers in shares]
+
+
+def read_surface(head):
+    print("surface", head.bits(2), end=" ")
+    tail = head.u32()
+    print(tail)
+    maps = [(kind, *head.u32(3)) for kind in (38, 91, 16)]
+    if tail == 0:
+        return [("SURF", [texture(kind, w, h, 1, mips) for kind, w, h, mips in maps])]
+    whole = [texture(kind, w, h, 1, mips)[2] for kind, w, h, mips in maps]
+    fine = [texture(kind, w, h, 1, tail)[2] for kind, w, h, mips in maps]
+    return [("SURF", [("map", (), w - f) for w, f in zip(whole, fine)]), ("SURF", [("map", (), f) for f in fine])]
 
 
 def read_head(head):
-    """Prints HEAD; the textures of each chunk behind it, in file order, as (type, textures)."""
+    """Prints HEAD; the textures of each chunk behind it, or the share of them it has, in file order, as (type, textures)."""
     print("mode", head.u32())
     print("side", head.u32())
     print("levels", head.bits(2))
@@ -94,7 +112,7 @@ def read_head(head):
     bands, domains = [], []
     for place in range(head.u32()):
         domains.append(struct.unpack_from("<I", head.data, head.at)[0])
-        bands.append(("BAND", read_band(head, place)))
+        bands.append(read_band(head, place))
     maps, surface = [], []
     if parts & 1:
         side = head.u32()
@@ -105,12 +123,11 @@ def read_head(head):
         print("vdim", side, zeniths, azimuths, head.bits(2))
         maps.append(("VDIM", [texture(78, side, side, 1, 1), texture(92, side * azimuths, side * zeniths, 1, 1)]))
     if parts & 4:
-        print("surface", head.bits(1))
-        surface.append(("SURF", [texture(kind, w, h, 1, mips) for kind in (38, 91, 16) for w, h, mips in [head.u32(3)]]))
+        surface = read_surface(head)
     print("name", head.take(head.u32()).decode())
     require(head.at == len(head.data), "bytes behind HEAD")
     first = 1 if domains and domains[0] == 0 else 0
-    return bands[:first] + maps + bands[first:] + surface
+    return sum(bands[:first], []) + maps + sum(bands[first:], []) + surface
 
 
 def main():
@@ -122,7 +139,7 @@ def main():
         require(kind == actual, "order of chunks")
         texels = Record(data)
         for number, extents, count in textures:
-            print(kind, number, *extents, "%016x" % xxh3_64(texels.take(count)))
+            print(kind, number, *(extents or (count,)), "%016x" % xxh3_64(texels.take(count)))
         require(texels.at == len(data), "bytes behind the texels")
     for kind, data in chunks[1 + len(expected):]:
         require(kind == "META", "order of chunks")

@@ -129,7 +129,7 @@ float coarsestLevel(const Material& material) {
   return maps.lambda_first + float(std::max({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1);
 }
 
-float coarsestFade(const Material& material) { return material.mode == Mode::kSurface ? 2 : 1; }
+float coarsestFade(const Material& material) { return material.mode == Mode::kSurface ? 3 : 1; }
 
 float coarsestShare(const Material& material, const ResidentState& state) {
   return glm::clamp((coarsestLevel(material) - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);

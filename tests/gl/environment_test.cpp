@@ -10,6 +10,7 @@
 #include "material/directions.h"
 #include "material/evaluate.h"
 #include "material/issues.h"
+#include "material/leading_part.h"
 #include "runtime/frame.h"
 #include "runtime/image_read.h"
 #include "runtime/mesh_analytic.h"
@@ -68,43 +69,55 @@ TEST_F(EnvironmentTest, RefusesWhatIsNoPanorama) {
   EXPECT_FALSE(readPanorama(cut.path()).ok());
 }
 
+struct Shown {
+  const char* what;
+  Material stored, shown;
+  float lambda;  // where the coarsest mip of the bands is: the same everywhere
+};
+
 // A plane seen at an angle under a polynomial light, against the CPU evaluator at the pixels' x.
 TEST_F(EnvironmentTest, RendererShowsWhatTheEvaluatorSays) {
-  const Material material = fusedMaterial();
-  Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::vec3(0, 0, 1));
-  scene.lights.clear();
-  scene.assets[0].embedded = std::move(*serializeAsset(material));
-  scene.assets[0].name = "fused";
-  auto materials = makeMaterials();
-  ShaderLibrary shaders(*device, {});
-  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
-  ASSERT_TRUE(renderer.ok());
-  FrameSettings settings;
-  settings.tone = ToneCurve::kClip;
-  settings.lambda = 6.0f;  // bands' coarsest mip: the same everywhere
-  settings.environment.emplace();
-  settings.environment->light = skyLight(glm::vec3(3, 2, 1), glm::vec3(0), glm::normalize(glm::vec3(0.5f, 0.2f, 1)));
-  settings.environment->suns = {{glm::normalize(glm::vec3(-0.4f, 0.3f, 0.8f)), glm::vec3(0.2f, 0.3f, 0.4f)}};
-  Camera camera;
-  camera.position = {0, -1, 1};
-  camera.fov_degrees = 1;
-  const RenderTarget target = makeRenderTarget({9, 9}, ColorFormat::kLinear32, "frame");
-  (*renderer)->prepare(makeView(camera, target.size), settings);
-  materials->finishLoading();
-  ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
-  const glm::vec4 pixel = readLinear(target)[40];
+  Material lead = splitFusedMaterial();
+  lead.bands[1] = leadOf(lead.bands[1]);
+  for (const Shown& c : {Shown{"one chunk", fusedMaterial(), fusedMaterial(), 6}, Shown{"whole", splitFusedMaterial(), splitFusedMaterial(), 5},
+                         Shown{"leading part", splitFusedMaterial(), lead, 6}}) {
+    SCOPED_TRACE(c.what);
+    const Material& material = c.stored;
+    Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::vec3(0, 0, 1));
+    scene.lights.clear();
+    scene.assets[0].embedded = std::move(*serializeAsset(material));
+    scene.assets[0].name = "fused";
+    auto materials = makeMaterials();
+    ShaderLibrary shaders(*device, {});
+    auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+    ASSERT_TRUE(renderer.ok());
+    FrameSettings settings;
+    settings.tone = ToneCurve::kClip;
+    settings.lambda = c.lambda;
+    settings.environment.emplace();
+    settings.environment->light = skyLight(glm::vec3(3, 2, 1), glm::vec3(0), glm::normalize(glm::vec3(0.5f, 0.2f, 1)));
+    settings.environment->suns = {{glm::normalize(glm::vec3(-0.4f, 0.3f, 0.8f)), glm::vec3(0.2f, 0.3f, 0.4f)}};
+    Camera camera;
+    camera.position = {0, -1, 1};
+    camera.fov_degrees = 1;
+    const RenderTarget target = makeRenderTarget({9, 9}, ColorFormat::kLinear32, "frame");
+    (*renderer)->prepare(makeView(camera, target.size), settings);
+    materials->finishLoading();
+    ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+    const glm::vec4 pixel = readLinear(target)[40];
 
-  Evaluator evaluator(material);
-  evaluator.prepareEnvironment();
-  const glm::vec3 wo = glm::normalize(glm::vec3(0, -1, 1));
-  const auto hit = evaluator.findHit(glm::vec2(0), 6.0f, wo);
-  const HemisphereLight light = hemisphereLight(settings.environment->light, glm::mat3(1));
-  const EnvironmentSun& sun = settings.environment->suns[0];
-  const glm::vec3 around = evaluator.evaluateEnvironment(hit, light, wo);
-  const glm::vec3 from_sun = evaluator.evaluate(hit, sun.direction, wo) * sun.irradiance;
-  const glm::vec3 expected = (glm::max(around, 0.0f) + glm::max(from_sun, 0.0f)) * (float(kPi) * material.value_scale);
-  EXPECT_GT(glm::length(expected), 0.05f);
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c], std::max(expected[c], 0.0f), 1e-3) << c;
+    Evaluator evaluator(c.shown);
+    evaluator.prepareEnvironment();
+    const glm::vec3 wo = glm::normalize(glm::vec3(0, -1, 1));
+    const auto hit = evaluator.findHit(glm::vec2(0), c.lambda, wo);
+    const HemisphereLight light = hemisphereLight(settings.environment->light, glm::mat3(1));
+    const EnvironmentSun& sun = settings.environment->suns[0];
+    const glm::vec3 around = evaluator.evaluateEnvironment(hit, light, wo);
+    const glm::vec3 from_sun = evaluator.evaluate(hit, sun.direction, wo) * sun.irradiance;
+    const glm::vec3 expected = (glm::max(around, 0.0f) + glm::max(from_sun, 0.0f)) * (float(kPi) * material.value_scale);
+    EXPECT_GT(glm::length(expected), 0.05f);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(pixel[k], std::max(expected[k], 0.0f), 1e-3) << k;
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "material/issues.h"
+#include "material/leading_part.h"
 #include "runtime/material_data.h"
 #include "runtime/material_parts.h"
 #include "tests/gl/gl_fixture.h"
@@ -33,6 +34,20 @@ Material largeFused(uint32_t seed) {
                                 band.layers(), flat ? 1 : 6, seed);
     band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * band.quads(), 1, seed + 9);
   }
+  return material;
+}
+
+// The same whose reference band has a leading part, of one of three quads.
+Material splitFused(uint32_t seed) {
+  Material material = largeFused(seed);
+  Band& band = material.bands[1];
+  band.y_quads = 3;
+  band.chroma_quads = 0;
+  band.ratio = true;
+  band.lead_quads = 1;
+  band.quad_scale.assign(3, glm::vec4(0.05f, 0.04f, 0.03f, 0.02f));
+  band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 32, 32, 4, 6, seed + 20);
+  band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * 3, 1, seed + 21);
   return material;
 }
 
@@ -190,7 +205,7 @@ TEST_F(MaterialSystemTest, StaysWithinBudgetAndUploadBoundOnEveryFrame) {
 }
 
 TEST_F(MaterialSystemTest, FadesInWithoutAPop) {
-  for (const Material& material : {largeFused(3), plainSurface()}) {
+  for (const Material& material : {largeFused(3), splitFused(3), plainSurface()}) {
     auto system = makeMaterials();
     const MaterialId id = load(*system, material);
     std::vector<glm::vec4> before = drawMaterial(*system, id, 0, {16, 16});
@@ -276,22 +291,77 @@ TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
   EXPECT_EQ(system->stats().parts_resident, 4) << "and it comes back";
 }
 
-TEST_F(MaterialSystemTest, ReadsEveryPartOnce) {
-  const std::shared_ptr<const ByteSource> source = assetSource(largeFused(7));
-  auto system = makeMaterials();
-  Result<MaterialId> id = system->load(source, "once");
-  ASSERT_TRUE(id.ok());
-  const uint64_t header = system->stats().read_bytes;
-  system->update(0);
-  EXPECT_GE(system->stats().read_bytes, header);
-  const uint64_t opened = system->stats().read_bytes;
-  system->demand(*id, 0);
+// Of what is split, the leading part as if nothing else were stored, the whole as if it were not split.
+TEST_F(MaterialSystemTest, ShowsALeadingPartUntilTheWholeIsThereAndAgainWhenItGoes) {
+  const Material split = splitFused(31);
+  Material lead = split, unsplit = split;
+  lead.bands[1] = leadOf(split.bands[1]);
+  unsplit.bands[1].lead_quads = 0;
+  const auto picture = [this](const Material& material) {
+    auto system = makeMaterials();
+    const MaterialId id = load(*system, material);
+    system->demand(id, 2.5f);
+    system->finishLoading();
+    return drawMaterial(*system, id, 2.5f);
+  };
+  const std::vector<glm::vec4> with_lead = picture(lead), with_whole = picture(unsplit);
+  EXPECT_GT(meanDifference(with_lead, with_whole), 1e-3);
+
+  auto system = makeMaterials({.release_seconds = 1});
+  const MaterialId id = load(*system, split);
+  system->demand(id, 2.5f);
   system->finishLoading();
-  Result<AssetFile> file = AssetFile::open(source, "once");
-  ASSERT_TRUE(file.ok());
-  EXPECT_EQ(system->stats().read_bytes - opened,
-            file->bandStoredBytes(0) + file->bandStoredBytes(1) + file->geometryStoredBytes())
-      << "the full atlas is built from the image that the small one was built from";
+  EXPECT_EQ(system->stats().parts_resident, 2);
+  EXPECT_TRUE(drawMaterial(*system, id, 2.5f) == with_whole);
+  auto tight = makeMaterials({.budget_bytes = gpuBytes(lead.bands[1]) + 1000});
+  const MaterialId small = load(*tight, split);
+  tight->demand(small, 2.5f);
+  tight->finishLoading();
+  EXPECT_EQ(tight->stats().parts_resident, 1);
+  EXPECT_EQ(tight->residentLambda(small), 2) << "the whole is no finer level";
+  EXPECT_TRUE(drawMaterial(*tight, small, 2.5f) == with_lead);
+}
+
+TEST_F(MaterialSystemTest, ShowsTheTailOfSurfaceMapsUntilTheyAreThere) {
+  Material split = splitSurfaceMaterial();
+  split.geometry = {};  // nothing to be missing but the maps
+  split.stored_vdim.reset();
+  Material unsplit = split;
+  unsplit.surface->tail_mip = 0;
+  auto whole = makeMaterials(), system = makeMaterials(), tight = makeMaterials({.budget_bytes = gpuBytes(tailOf(*split.surface)) + 10});
+  const MaterialId a = load(*whole, unsplit), b = load(*system, split), c = load(*tight, split);
+  whole->demand(a, 0);
+  whole->finishLoading();
+  tight->demand(c, 0);
+  tight->finishLoading();
+  EXPECT_EQ(tight->residentLambda(c), 2);
+  EXPECT_TRUE(drawMaterial(*tight, c, 0) == drawMaterial(*whole, a, 2));
+  system->demand(b, 0);
+  system->finishLoading();
+  EXPECT_EQ(system->residentLambda(b), 0);
+  EXPECT_TRUE(drawMaterial(*system, b, 0) == drawMaterial(*whole, a, 0));
+}
+
+TEST_F(MaterialSystemTest, ReadsEveryPartOnce) {
+  for (const Material& material : {largeFused(7), splitFused(8), splitSurfaceMaterial()}) {
+    const std::shared_ptr<const ByteSource> source = assetSource(material);
+    auto system = makeMaterials();
+    Result<MaterialId> id = system->load(source, "once");
+    ASSERT_TRUE(id.ok());
+    const uint64_t header = system->stats().read_bytes;
+    system->update(0);
+    EXPECT_GE(system->stats().read_bytes, header);
+    const uint64_t opened = system->stats().read_bytes;
+    system->demand(*id, 0);
+    system->finishLoading();
+    Result<AssetFile> file = AssetFile::open(source, "once");
+    ASSERT_TRUE(file.ok());
+    uint64_t stored = file->geometryStoredBytes();
+    for (size_t b = 0; b < material.bands.size(); ++b) stored += file->bandStoredBytes(int(b));
+    if (material.surface) stored += file->surfaceStoredBytes();
+    EXPECT_EQ(system->stats().read_bytes - opened, stored)
+        << material.name << ": the full atlas is built from the image that the small one was built from, the whole from its leading part";
+  }
 }
 
 TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {

@@ -79,11 +79,14 @@ class AssetFile {
  public:
   static Result<AssetFile> open(std::shared_ptr<const ByteSource> source, const std::string& name);
 
-  // The material without texel data: bands have their description and extents, `data` vectors are empty.
+  // The material without texel data and META: bands have their description and extents, `data` vectors are empty.
   // Absent parts are described too.
   const Material& skeleton() const { return skeleton_; }
   // The whole chunk table, absent chunks included.
   std::span<const ChunkInfo> chunks() const { return chunks_; }
+  // How it was cooked (Material::meta_json); empty if that is absent or damaged, since it is optional: what is wrong with it is
+  // for validateAsset to say.
+  std::string loadMeta() const;
   // How many of chunks(), from the front, lie wholly inside the source.
   int presentChunks() const { return present_chunks_; }
   // Of what is stored in two chunks, the leading part alone (material/leading_part.h), or all.

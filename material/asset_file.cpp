@@ -16,10 +16,13 @@ Result<AssetFile> AssetFile::open(std::shared_ptr<const ByteSource> source, cons
     file.skeleton_ = std::move(contents.skeleton);
     file.chunks_ = std::move(contents.chunks);
     file.present_chunks_ = contents.present;
-    // META is optional: what is wrong with it is for validateAsset to say.
-    if (const Result<Material> meta = file.load(kMeta, -1, Share::kFirst)) file.skeleton_.meta_json = meta->meta_json;
     return file;
   });
+}
+
+std::string AssetFile::loadMeta() const {
+  Result<Material> meta = load(kMeta, -1, Share::kFirst);
+  return meta ? std::move(meta->meta_json) : std::string();
 }
 
 uint64_t AssetFile::storedBytes(uint32_t type, int band, Share share) const {

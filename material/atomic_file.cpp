@@ -1,11 +1,10 @@
 #include "material/atomic_file.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 
@@ -17,8 +16,13 @@ namespace {
 // A file without its final name yet; removed unless it got one.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::filesystem::path& folder) : name_((folder / ".loden-XXXXXX").string()) {
-    file_ = ::mkostemp(name_.data(), O_CLOEXEC);
+  // With the permissions that open() gives; mkostemp would make the file private.
+  explicit TemporaryFile(const std::filesystem::path& folder) {
+    static std::atomic<unsigned> next{0};
+    do {
+      name_ = (folder / (".loden-" + std::to_string(::getpid()) + "-" + std::to_string(next++))).string();
+      file_ = ::open(name_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    } while (file_ < 0 && errno == EEXIST);
   }
   ~TemporaryFile() {
     if (file_ < 0) return;
@@ -38,12 +42,6 @@ class TemporaryFile {
       bytes = bytes.subspan(static_cast<size_t>(put));
     }
     return true;
-  }
-  // mkostemp makes the file private; give it what open() would have.
-  bool makePublic() {
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    return ::fchmod(file_, 0666 & ~mask) == 0;
   }
   bool flush() { return ::fsync(file_) == 0; }
   bool renameTo(const std::filesystem::path& path) {
@@ -70,7 +68,7 @@ void flushFolder(const std::filesystem::path& folder) {
 Status writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   TemporaryFile temporary(folder);
-  if (!temporary.created() || !temporary.write(bytes) || !temporary.makePublic() || !temporary.flush() ||
+  if (!temporary.created() || !temporary.write(bytes) || !temporary.flush() ||
       !temporary.renameTo(path)) {
     return Issue{issue_id::kCannotWrite, Severity::kError, path.string(),
                  std::string("cannot write: ") + std::strerror(errno)};

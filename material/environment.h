@@ -24,7 +24,7 @@ struct EnvironmentLight {
 };
 // Radiance from direction w; may be negative where the polynomial undershoots.
 glm::vec3 radianceFrom(const EnvironmentLight& light, const glm::vec3& w);
-// The same light seen from another frame: to_from_from maps directions of the old frame into the new one.
+// The same light seen from another frame: new_from_old maps directions of the old frame into the new one.
 EnvironmentLight rotated(const EnvironmentLight& light, const glm::mat3& new_from_old);
 // Irradiance `sky` on a surface that faces `up`, `ground` on one that faces down, and between them by the cosine.
 EnvironmentLight skyLight(const glm::vec3& sky, const glm::vec3& ground, const glm::vec3& up);

@@ -128,47 +128,51 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
   return sum;
 }
 
+// What the surface maps say at a hit; loden_fetch_surface of the shaders.
+template <class T>
+struct SurfaceTexel {
+  V3<T> normal, diffuse;
+  T exponent, strength;
+};
+template <class T>
+SurfaceTexel<T> fetchSurface(const SurfaceMaps& maps, const Hit<T>& hit) {
+  const T mip = hit.lambda - T(maps.lambda_first);
+  const V3<T> mapped(sampleRepeatLod(maps.normal, mip, 0, hit.p));
+  const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
+  const V4<T> specular = sampleRepeatLod(maps.specular, mip, 0, hit.p);
+  // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
+  const T sharp = std::exp2(specular.y * T(12)), shortened = std::min(length, T(1));
+  const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
+  const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
+  return {mapped / length, V3<T>(sampleRepeatLod(maps.diffuse, mip, 0, hit.p)), exponent, strength};
+}
+
 // The analytic appearance under light from all around: the polynomial's irradiance on the mapped normal, and its
 // value along the mirror direction times the lobe's integral, blurred as the lobe's width asks.
 template <class T>
 V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, const HemisphereLight& light, const V3<T>& wo) {
-  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda - T(maps.lambda_first), 0, hit.p));
-  const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
-  const V3<T> n = mapped / length;
-  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda - T(maps.lambda_first), 0, hit.p));
-  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda - T(maps.lambda_first), 0, hit.p);
-  const T sharp = std::exp2(specular.y * T(12)), shortened = std::min(length, T(1));
-  const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
-  const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
+  const SurfaceTexel<T> s = fetchSurface(maps, hit);
+  const V3<T>& n = s.normal;
   V3<T> r = T(2) * glm::dot(n, wo) * n - wo;
   r.z = std::max(r.z, T(0));
   const auto l = [&](int k) { return V3<T>(light.c[k]); };
   const V3<T> irradiance = l(0) + T(2.0 / 3) * (l(1) * n.z + l(2) * n.x + l(3) * n.y) +
                            T(0.25) * (l(4) * (n.x * n.y) + l(5) * (n.x * n.x - n.y * n.y));
   // A lobe of exponent e about H is one of about e / 4 about r, which keeps exp(-l (l + 1) 2 / e) of order l.
-  const T first = std::exp(T(-4) / exponent), second = std::exp(T(-12) / exponent);
+  const T first = std::exp(T(-4) / s.exponent), second = std::exp(T(-12) / s.exponent);
   const V3<T> mirrored = l(0) + first * (l(1) * r.z + l(2) * r.x + l(3) * r.y) +
                          second * (l(4) * (r.x * r.y) + l(5) * (r.x * r.x - r.y * r.y));
   const V3<T> none(0);
-  return diffuse * glm::max(irradiance, none) + (strength * T(8) / (exponent + T(8))) * glm::max(mirrored, none);
+  return s.diffuse * glm::max(irradiance, none) + (s.strength * T(8) / (s.exponent + T(8))) * glm::max(mirrored, none);
 }
 
 template <class T>
 V3<T> evaluateSurface(const SurfaceMaps& maps, const Hit<T>& hit, const V3<T>& wi, const V3<T>& wo) {
-  const V3<T> mapped(sampleRepeatLod(maps.normal, hit.lambda - T(maps.lambda_first), 0, hit.p));
-  const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
-  const V3<T> normal = mapped / length;
-  const V3<T> diffuse(sampleRepeatLod(maps.diffuse, hit.lambda - T(maps.lambda_first), 0, hit.p));
-  const V4<T> specular = sampleRepeatLod(maps.specular, hit.lambda - T(maps.lambda_first), 0, hit.p);
-  // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
-  const T sharp = std::exp2(specular.y * T(12));
-  const T shortened = std::min(length, T(1));
-  const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
-  const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
+  const SurfaceTexel<T> s = fetchSurface(maps, hit);
   const V3<T> sum = wi + wo;
   const V3<T> half = sum / std::max(std::sqrt(glm::dot(sum, sum)), T(1e-6));
-  const T lobe = std::pow(std::max(glm::dot(normal, half), T(1e-6)), exponent);
-  return (diffuse + strength * lobe) * std::max(glm::dot(normal, wi), T(0));
+  const T lobe = std::pow(std::max(glm::dot(s.normal, half), T(1e-6)), s.exponent);
+  return (s.diffuse + s.strength * lobe) * std::max(glm::dot(s.normal, wi), T(0));
 }
 
 // A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus tilt.

@@ -10,11 +10,6 @@ namespace {
 
 constexpr double kCodeMax = 65535.0;
 
-int wrapIndex(int i, int n) {
-  const int r = i % n;
-  return r < 0 ? r + n : r;
-}
-
 uint16_t encode(double unit) { return static_cast<uint16_t>(std::lround(std::clamp(unit, 0.0, 1.0) * kCodeMax)); }
 
 }  // namespace

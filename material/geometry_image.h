@@ -39,6 +39,12 @@ struct Patch {
   glm::vec<3, T> p00, p10, p01, p11;
   uint32_t chart = 0;
 };
+// The index of 0 .. n - 1 that i stands for in a row that repeats.
+inline int wrapIndex(int i, int n) {
+  const int r = i % n;
+  return r < 0 ? r + n : r;
+}
+
 // Patch (i, j) spans the texel centres (i, j) .. (i + 1, j + 1); indices of any sign wrap, and positions
 // are returned unwrapped for the p that the indices name.
 template <class T>

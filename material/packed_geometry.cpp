@@ -10,11 +10,6 @@ constexpr uint32_t kExists = 1u << 31;
 constexpr uint32_t kMaskXy = 1023, kMaskZ = 2047;
 constexpr float kMiddleXy = 511, kStepsXy = 1022, kStepsZ = 2047, kStepsImage = 65535;
 
-int wrapIndex(int i, int n) {
-  const int r = i % n;
-  return r < 0 ? r + n : r;
-}
-
 uint32_t code(double value) { return static_cast<uint32_t>(std::lround(value)); }
 
 // Of P.xy - p along one axis. Charts may lie periods away from their surface; lookups do not care which copy they find.

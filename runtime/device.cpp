@@ -73,10 +73,25 @@ void installDebugCallback(const Device* device) {
   glDebugMessageCallback(onDebugMessage, device);
 }
 
+// Around a context that somebody else owns.
+class CurrentDevice final : public Device {
+ public:
+  explicit CurrentDevice(const DeviceOptions& options) : Device(options) {}
+  void makeCurrent() override {}
+  void releaseCurrent() override {}
+  void swap() override {}
+  glm::ivec2 size() const override { return options_.size; }
+  Status recreate() override { return adoptContext(); }
+};
+
 }  // namespace
 
 Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
-  return options.kind == DeviceKind::kHeadless ? createEglDevice(options) : createGlfwDevice(options);
+  if (options.kind == DeviceKind::kHeadless) return createEglDevice(options);
+  if (options.kind == DeviceKind::kWindow) return createGlfwDevice(options);
+  auto device = std::make_unique<CurrentDevice>(options);
+  if (Status status = device->recreate(); !status) return status.issue();
+  return std::unique_ptr<Device>(std::move(device));
 }
 
 void Device::log(const Issue& issue) const {
@@ -90,7 +105,7 @@ Status Device::adoptContext() {
     for (const std::string& item : capabilities_.missing) words += "\n  " + item;
     return Issue{issue_id::kGlContext, Severity::kError, "GL device", words};
   }
-  if (options_.debug) installDebugCallback(this);
+  if (options_.debug && options_.kind != DeviceKind::kCurrent) installDebugCallback(this);
   return {};
 }
 

@@ -13,14 +13,18 @@
 
 namespace loden::runtime {
 
-enum class DeviceKind { kHeadless, kWindow };
+enum class DeviceKind {
+  kHeadless,
+  kWindow,
+  kCurrent,  // the engine's own context: current on the thread that calls create() and everything that draws
+};
 
 struct DeviceOptions {
   DeviceKind kind = DeviceKind::kHeadless;
   glm::ivec2 size{800, 600};  // of the window, pixels
   std::string title = "Loden";
   bool vsync = true;
-  bool debug = true;  // a debug context; driver messages of low severity and above go to `log`
+  bool debug = true;  // a debug context; driver messages of low severity and above go to `log`. Not of kCurrent
   LogCallback log;    // may be empty
 };
 
@@ -46,6 +50,7 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
+  // Nothing for kCurrent, whose context the engine moves about.
   virtual void makeCurrent() = 0;
   virtual void releaseCurrent() = 0;
   // Shows the frame in a window; nothing when headless.
@@ -58,7 +63,7 @@ class Device {
   virtual void* nativeWindow() const { return nullptr; }
 
   // Drops the context with every object in it and makes a new one, as after a lost device. Owners of GL
-  // objects must forget their names first (GlObject::release).
+  // objects must forget their names first (GlObject::release). kCurrent: the engine has made a new one current.
   virtual Status recreate() = 0;
 
   DeviceKind kind() const { return options_.kind; }

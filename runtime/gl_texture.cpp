@@ -73,10 +73,9 @@ GlTexture makeIndexTexture(std::span<const uint8_t> indices, int side, std::stri
   return texture;
 }
 
-bool TextureUpload::step(const PartTexture& part, uint32_t texture, uint64_t& budget) {
+bool TextureUpload::step(const PartTexture& part, uint32_t texture, int64_t& budget) {
   do {
-    const uint64_t used = uploadSome(part, texture, budget);
-    budget -= std::min(budget, used);
+    budget -= int64_t(uploadSome(part, texture, uint64_t(std::max<int64_t>(budget, 0))));
     if (mip_ == part.texels.mips) return true;
   } while (budget > 0);
   return false;

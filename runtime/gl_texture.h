@@ -22,8 +22,8 @@ GlTexture makeIndexTexture(std::span<const uint8_t> indices, int side, std::stri
 class TextureUpload {
  public:
   // Uploads at least one row, then whole rows or layers while `budget` bytes last, and lowers it by what was
-  // used. True when the texture is complete.
-  bool step(const PartTexture& part, uint32_t texture, uint64_t& budget);
+  // used: below 0 where a row takes more than there is. True when the texture is complete.
+  bool step(const PartTexture& part, uint32_t texture, int64_t& budget);
 
  private:
   uint64_t uploadSome(const PartTexture& part, uint32_t texture, uint64_t budget);

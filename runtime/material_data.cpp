@@ -124,7 +124,7 @@ LodenMaterialData makeMaterialData(const Material& m) {
 }
 
 float coarsestLevel(const Material& material) {
-  if (!material.surface) return material.lambda_max;
+  if (material.mode != Mode::kSurface || !material.surface) return material.lambda_max;
   const SurfaceMaps& maps = *material.surface;
   return maps.lambda_first + float(std::max({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1);
 }

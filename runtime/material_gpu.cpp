@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "material/color.h"
 #include "runtime/gl_texture.h"
@@ -18,7 +19,7 @@ PartTexture oneTexel(int unit, TexelFormat format, TextureShape shape, bool plai
 }
 
 void writeWhole(const PartTexture& part, const GlTexture& texture) {
-  uint64_t unlimited = ~0ull;
+  int64_t unlimited = std::numeric_limits<int64_t>::max();
   TextureUpload().step(part, texture.name(), unlimited);
 }
 
@@ -53,7 +54,8 @@ void SharedTextures::create() {
 
 void SharedTextures::contextLost() {
   for (GlTexture* texture : {&empty_2d_, &empty_array_, &empty_volume_, &empty_index_}) texture->release();
-  for (auto& [key, texture] : nearest_) texture.release();
+  for (auto& [key, shared] : nearest_)
+    if (const auto texture = shared.lock()) texture->release();
   nearest_.clear();
 }
 
@@ -68,12 +70,14 @@ std::array<uint32_t, LODEN_UNIT_FIRST_FREE> SharedTextures::emptyUnits(const Mat
   return units;
 }
 
-uint32_t SharedTextures::nearestImage(const DirectionSet& set) {
-  GlTexture& texture = nearest_[directionsKey(set)];
-  if (!texture)
-    texture = makeIndexTexture(nearestDirectionLookup(set, kNearestLookupSide), kNearestLookupSide,
-                               "nearest of " + directionsName(set));
-  return texture.name();
+std::shared_ptr<const GlTexture> SharedTextures::nearestImage(const DirectionSet& set) {
+  std::erase_if(nearest_, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<GlTexture>& shared = nearest_[directionsKey(set)];
+  if (auto texture = shared.lock()) return texture;
+  const auto texture = std::make_shared<GlTexture>(
+      makeIndexTexture(nearestDirectionLookup(set, kNearestLookupSide), kNearestLookupSide, "nearest of " + directionsName(set)));
+  shared = texture;
+  return texture;
 }
 
 MaterialGpu::MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label,
@@ -83,8 +87,10 @@ MaterialGpu::MaterialGpu(const Material& material, const MaterialVariant& varian
 void MaterialGpu::create(SharedTextures& shared) {
   empty_ = shared.emptyUnits(variant_);
   if (variant_.nearest_tables) {
-    empty_[LODEN_UNIT_NEAREST_LIGHT] = shared.nearestImage(material_->lights);
-    empty_[LODEN_UNIT_NEAREST_VIEW] = shared.nearestImage(material_->views);
+    nearest_light_ = shared.nearestImage(material_->lights);
+    nearest_view_ = shared.nearestImage(material_->views);
+    empty_[LODEN_UNIT_NEAREST_LIGHT] = nearest_light_->name();
+    empty_[LODEN_UNIT_NEAREST_VIEW] = nearest_view_->name();
   }
   if (variant_.kind == MaterialVariant::Kind::kSurface) createSurfaceStandIns();
   bound_ = empty_;
@@ -120,6 +126,7 @@ void MaterialGpu::fadeStandIns(float share) {
 
 void MaterialGpu::contextLost() {
   block_.release();
+  nearest_light_.reset(), nearest_view_.reset();
   for (StandIn& stand_in : stand_ins_) stand_in.texture.release();
   stand_ins_.clear();
   for (PartTextures& part : parts_) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,12 @@ class SharedTextures {
   void contextLost();
   // One name per unit, for units that hold no part.
   std::array<uint32_t, LODEN_UNIT_FIRST_FREE> emptyUnits(const MaterialVariant& variant) const;
-  // GL name of the image of nearestDirectionLookup; made at the first call for a set.
-  uint32_t nearestImage(const DirectionSet& set);
+  // The image of nearestDirectionLookup, shared by those that ask for the same set while one of them keeps it.
+  std::shared_ptr<const GlTexture> nearestImage(const DirectionSet& set);
 
  private:
   GlTexture empty_2d_, empty_array_, empty_volume_, empty_index_;
-  std::map<std::string, GlTexture> nearest_;
+  std::map<std::string, std::weak_ptr<GlTexture>> nearest_;
 };
 
 class MaterialGpu {
@@ -73,6 +74,7 @@ class MaterialGpu {
   GlBuffer block_;
   std::vector<PartTextures> parts_;
   std::vector<StandIn> stand_ins_;
+  std::shared_ptr<const GlTexture> nearest_light_, nearest_view_;  // of tables of layout 0
   bool stand_ins_shown_ = true;
   std::array<uint32_t, LODEN_UNIT_FIRST_FREE> empty_{}, bound_{};
 };

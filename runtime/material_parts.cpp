@@ -81,6 +81,13 @@ void addBands(std::vector<PartPlan>& parts, const Material& material, Domain dom
   }
 }
 
+template <class Texels>
+std::shared_ptr<const KeptTexels> keeping(Texels KeptTexels::*member, Texels texels) {
+  auto kept = std::make_shared<KeptTexels>();
+  (*kept).*member = std::move(texels);
+  return kept;
+}
+
 Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Share share, const KeptTexels* kept) {
   Result<Band> band = file.loadBand(index, share, kept ? &kept->lead : nullptr);
   if (!band) return band.issue();
@@ -88,7 +95,7 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Sha
   const Sampling table = band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
   Texture environment = environmentTable(file.skeleton(), *band);
   LoadedPart part;
-  if (share == AssetFile::Share::kFirst) part.kept = std::make_shared<KeptTexels>(KeptTexels{.lead = *band});
+  if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::lead, *band);
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
   part.textures.push_back({LODEN_UNIT_ENVIRONMENT + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
@@ -108,7 +115,7 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
     part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
-  if (size == kFirstVdimAtlas) part.kept = std::make_shared<KeptTexels>(KeptTexels{.geometry = std::move(*image)});
+  if (size == kFirstVdimAtlas) part.kept = keeping(&KeptTexels::geometry, std::move(*image));
   return part;
 }
 
@@ -137,7 +144,7 @@ Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share
   Result<SurfaceMaps> maps = file.loadSurface(share, kept ? &kept->tail : nullptr);
   if (!maps) return maps.issue();
   LoadedPart part;
-  if (share == AssetFile::Share::kFirst) part.kept = std::make_shared<KeptTexels>(KeptTexels{.tail = *maps});
+  if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::tail, *maps);
   part.textures.push_back({LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
   part.textures.push_back({LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
   part.textures.push_back({LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});

@@ -45,6 +45,13 @@ struct Demand {
   float lambda;
 };
 
+// Whether a later part begins with what this one was made of.
+bool continues(const std::vector<PartPlan>& plan, uint32_t part) {
+  return std::any_of(plan.begin() + part + 1, plan.end(), [&](const PartPlan& later) {
+    return beginsWith(later.kind) == plan[part].kind && later.kind != plan[part].kind && later.band == plan[part].band;
+  });
+}
+
 Status checkOptions(const MaterialSystemOptions& options) {
   const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
   if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
@@ -79,7 +86,7 @@ struct MaterialSystem::Impl {
 
   void takeDeliveries();
   void pumpUploads();
-  bool pumpJob(UploadJob& job, uint64_t& budget);
+  bool pumpJob(UploadJob& job, int64_t& budget);
   void finishJob(UploadJob& job);
   void evict(PartRef ref);
   void request(PartRef ref);
@@ -178,6 +185,8 @@ void MaterialSystem::unload(MaterialId id) {
   slot.generation = generation;
 }
 
+void MaterialSystem::setBudget(uint64_t bytes) { impl_->residency.setBudget(bytes); }
+
 MaterialVariant MaterialSystem::variant(MaterialId id) const { return impl_->slotOf(id).variant; }
 const Material& MaterialSystem::material(MaterialId id) const { return impl_->slotOf(id).file->skeleton(); }
 const MaterialStats& MaterialSystem::stats() const { return impl_->stats; }
@@ -234,6 +243,7 @@ void MaterialSystem::contextLost() {
   for (Slot& slot : impl.slots) {
     slot.gpu.contextLost();
     std::fill(slot.serials.begin(), slot.serials.end(), 0);  // what is being read no longer counts
+    std::fill(slot.kept.begin(), slot.kept.end(), nullptr);
   }
   impl.residency.dropAll();
 }
@@ -267,18 +277,18 @@ void MaterialSystem::Impl::takeDeliveries() {
 }
 
 void MaterialSystem::Impl::pumpUploads() {
-  const uint64_t bound = std::max<uint64_t>(options.upload_bytes_per_frame, 1);  // a step uploads a row at least
-  uint64_t budget = bound;
+  const auto bound = int64_t(std::clamp<uint64_t>(options.upload_bytes_per_frame, 1, INT64_MAX));  // a step uploads a row at least
+  int64_t budget = bound;
   while (!uploads.empty() && pumpJob(uploads.front(), budget)) {
     finishJob(uploads.front());
     uploads.pop_front();
   }
-  stats.uploaded_last_frame = bound - budget;
+  stats.uploaded_last_frame = uint64_t(bound - budget);
   stats.uploaded_bytes += stats.uploaded_last_frame;
 }
 
 // True when all textures of the part are complete.
-bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
+bool MaterialSystem::Impl::pumpJob(UploadJob& job, int64_t& budget) {
   while (budget > 0) {
     if (job.textures.empty()) {
       const PartTexture& first = job.part.textures.front();
@@ -297,7 +307,7 @@ bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
   Slot& slot = slots[job.ticket.ref.slot];
   slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
-  slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
+  if (continues(slot.plan, job.ticket.ref.part)) slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
   residency.arrived(job.ticket.ref);
   countGeometry(job.ticket.ref);
 }

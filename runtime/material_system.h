@@ -57,11 +57,13 @@ class MaterialSystem {
   MaterialSystem(const MaterialSystem&) = delete;
   MaterialSystem& operator=(const MaterialSystem&) = delete;
 
-  // Reads the header only; parts follow on demand. The source is read from the loading thread later on. Issues of
-  // AssetFile::open; kLimit if the shaders or the driver take no material of this size.
+  // Reads the header only, on this thread, and makes the material's small GL objects; parts follow on demand, read from the
+  // loading threads. Issues of AssetFile::open; kLimit if the shaders or the driver take no material of this size.
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   Result<MaterialId> load(const std::filesystem::path& path);
   void unload(MaterialId id);
+  // From the next update() on; what no longer fits is evicted there.
+  void setBudget(uint64_t bytes);
 
   // What the material's program must be built for; fixed for its life.
   MaterialVariant variant(MaterialId id) const;

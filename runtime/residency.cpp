@@ -170,14 +170,16 @@ void Residency::collectCandidates() {
     Material& material = materials_[slot];
     material.wanted_parts = wantedParts(material);
     float rank = std::numeric_limits<float>::max();
+    bool broken = false;  // what follows a part that failed is of no use
     for (uint32_t i = 0; i < material.parts.size(); ++i) {
       Part& part = material.parts[i];
       part.targeted = false;
-      if (i >= material.wanted_parts) continue;
+      if (i >= material.wanted_parts || broken) continue;
       part.last_wanted = frame_;
       part.last_wanted_at = now_;
       if (part.state == State::kFailed && part.desc.refines) continue;
-      if (part.state == State::kFailed) break;
+      broken = part.state == State::kFailed;
+      if (broken) continue;
       const float head_start = part.state == State::kAbsent ? 0 : options_.hysteresis_lambda;
       const float own_rank = std::min(rank, tooCoarseWithout(part, material) + head_start);
       if (!part.desc.refines) rank = own_rank;

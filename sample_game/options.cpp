@@ -96,6 +96,8 @@ void addRuntime(CLI::App& app, Options& options) {
 std::string contradiction(const Options& options) {
   if (options.doctor) return {};
   if (options.scene.empty() == options.asset.empty()) return "name either a scene or --asset";
+  if (!options.headless && !(options.capture.empty() && options.contact_sheet.empty()))
+    return "--capture and --contact-sheet need --headless: a window's pixels depend on what covers it";
   if (!options.camera.empty() && !options.script.empty()) return "--camera and --script exclude each other";
   return {};
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <thread>
 
 #include "material/issues.h"
 #include "runtime/gl_target.h"
@@ -53,11 +54,20 @@ void showProgress(const Options& options, int frame, int frames) {
   std::fprintf(stderr, "\rframe %d of %d%s", frame + 1, frames, frame + 1 == frames ? "\n" : "");
 }
 
+// To the far side of the scene; near enough planes for a room, in proportion for what is larger.
+DepthRange depthRange(const World& world, const Camera& camera) {
+  const Bounds all = world.renderer->bounds();
+  DepthRange range;
+  const double reach = glm::distance(camera.position, glm::dvec3(all.centre())) + double(all.radius());
+  if (reach <= range.far_plane) return range;
+  return {range.near_plane * reach / range.far_plane, reach};
+}
+
 // Streams and draws one frame; times are wall-clock with the GPU drained on both sides.
 Result<FrameRecord> drawFrame(World& world, const Camera& camera, const FrameTarget& target, bool wait, float seconds) {
   FrameRecord record;
   const auto start = Clock::now();
-  world.renderer->prepare(makeView(camera, target.size), world.settings);
+  world.renderer->prepare(makeView(camera, target.size, depthRange(world, camera)), world.settings);
   const auto before_wait = Clock::now();
   if (wait) world.materials->finishLoading();
   record.wait_ms = wait ? millisecondsSince(before_wait) : 0;
@@ -103,8 +113,11 @@ int walkInWindow(const Options& options, World& world, Clock::time_point start) 
   for (int i = 0; !world.device->closeRequested() && !player.wantsToLeave() && !interrupted; ++i) {
     if (options.frames > 0 && i == options.frames) break;
     world.device->pollEvents();
+    if (world.device->size().x < 1 || world.device->size().y < 1) {  // minimised
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      continue;
+    }
     const float seconds = player.beginFrame();
-    if (world.device->size().x < 1 || world.device->size().y < 1) continue;  // minimised
     auto record = drawFrame(world, player.camera(), {0, world.device->size()}, false, seconds);
     if (!record) return fail(record.issue());
     player.drawOverlay(record->ms, record->stats, record->materials, world.settings);

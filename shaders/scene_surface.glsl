@@ -6,11 +6,6 @@ struct SurfaceShape {
 };
 
 #if defined(LODEN_BANDS) || defined(LODEN_MODE_SURFACE)
-#include "loden_shared.h"
-#include "loden_interface.glsl"
-#include "loden_directions.glsl"
-#include "loden_vdim.glsl"
-#include "loden_bands.glsl"
 #include "loden_material.glsl"
 
 struct SurfacePoint {

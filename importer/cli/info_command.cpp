@@ -161,8 +161,9 @@ class InfoCommand : public Command {
                                 {"codec", chunk.codec}, {"offset", chunk.offset}, {"stored_bytes", chunk.stored_bytes},
                                 {"raw_bytes", chunk.raw_bytes}, {"hash", formatted("%016llx", static_cast<unsigned long long>(chunk.hash))}});
     json["present_chunks"] = file.presentChunks();
-    const auto meta = Json::parse(m.meta_json, nullptr, false);
-    json["cook"] = meta.is_discarded() ? Json(m.meta_json) : meta;
+    const std::string meta_text = file.loadMeta();
+    const auto meta = Json::parse(meta_text, nullptr, false);
+    json["cook"] = meta.is_discarded() ? Json(meta_text) : meta;
   }
 
   void printAsText(uint64_t file_bytes, const Result<AssetFile>& file, const std::vector<Issue>& issues) const {
@@ -192,7 +193,7 @@ class InfoCommand : public Command {
     for (const LevelBytes& level : cumulativeBytes(m, parts))
       text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level, withThousands(level.raw).c_str(),
                         withThousands(level.gpu).c_str());
-    if (!m.meta_json.empty()) text += "\ncooked: " + m.meta_json + "\n";
+    if (const std::string meta = file.loadMeta(); !meta.empty()) text += "\ncooked: " + meta + "\n";
     return text;
   }
 

@@ -185,6 +185,44 @@ TEST_F(MaterialSystemTest, ComparesEveryTextureWithTheDriversLimits) {
   }
 }
 
+TEST_F(MaterialSystemTest, ObeysABudgetThatChanges) {
+  auto system = makeMaterials();
+  const MaterialId id = load(*system, largeFused(3));
+  system->demand(id, 0);
+  system->finishLoading();
+  const uint64_t all = system->stats().resident_bytes;
+  system->setBudget(all / 2);
+  for (int frame = 0; frame < 3; ++frame) {
+    system->demand(id, 0);
+    system->update(1.0f / 60);
+    EXPECT_LE(system->stats().resident_bytes, all / 2);
+  }
+  system->setBudget(2 * all);
+  system->demand(id, 0);
+  system->finishLoading();
+  EXPECT_EQ(system->stats().resident_bytes, all);
+}
+
+// As an engine has it that owns its context.
+TEST_F(MaterialSystemTest, WorksInAContextOfSomebodyElse) {
+  auto own = makeMaterials();
+  const MaterialId own_id = load(*own, largeFused(4));
+  own->demand(own_id, 0);
+  own->finishLoading();
+  const auto expected = drawMaterial(*own, own_id, 0);
+
+  DeviceOptions options;
+  options.kind = DeviceKind::kCurrent;
+  const Result<std::unique_ptr<Device>> current = Device::create(options);
+  ASSERT_TRUE(current.ok()) << current.issue().text;
+  const Result<std::unique_ptr<MaterialSystem>> system = MaterialSystem::create(**current, {});
+  ASSERT_TRUE(system.ok()) << system.issue().text;
+  const MaterialId id = load(**system, largeFused(4));
+  (*system)->demand(id, 0);
+  (*system)->finishLoading();
+  EXPECT_EQ(drawMaterial(**system, id, 0), expected);
+}
+
 TEST_F(MaterialSystemTest, StaysWithinBudgetAndUploadBoundOnEveryFrame) {
   for (const uint64_t budget : {300u << 10, 1u << 20, 8u << 20}) {
     auto system = makeMaterials({.budget_bytes = budget, .upload_bytes_per_frame = 20 << 10});
@@ -195,8 +233,8 @@ TEST_F(MaterialSystemTest, StaysWithinBudgetAndUploadBoundOnEveryFrame) {
       system->demand(ids[size_t(frame / 40) % ids.size()], 0);
       system->update(1.0f / 60);
       ASSERT_LE(system->stats().resident_bytes, budget);
-      // One row of the widest texture may exceed what is left of the bound.
-      ASSERT_LE(system->stats().uploaded_last_frame, (20u << 10));
+      // One row, of 128 texels of 8 bytes at most, may exceed what is left of the bound.
+      ASSERT_LE(system->stats().uploaded_last_frame, (20u << 10) + 1024);
       // Frames take time; without, the demand would be elsewhere each time before a part is read.
       std::this_thread::sleep_for(std::chrono::microseconds(300));
     }

@@ -75,7 +75,9 @@ TEST(Evaluator, IsContinuousInLambda) {
   glm::dvec3 last(0);
   for (double lambda = 0; lambda < material.lambda_max + 2; lambda += 1e-4) {
     const auto value = evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3, 0.7), lambda, wo, Lookup::kNone), wi, wo);
-    if (lambda > 0) EXPECT_LT(glm::length(value - last), 1e-2) << "lambda " << lambda;
+    if (lambda > 0) {
+      EXPECT_LT(glm::length(value - last), 1e-2) << "lambda " << lambda;
+    }
     last = value;
   }
 }

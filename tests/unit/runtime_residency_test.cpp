@@ -162,6 +162,18 @@ TEST(Residency, KeepsTheCoarseLevelOfADamagedFile) {
   EXPECT_LE(player.loads, 4);
 }
 
+TEST(Residency, GivesUpWhatArrivedBehindADamagedPart) {
+  Player player({.budget_bytes = 400 * kKib}, 1);
+  const uint32_t damaged = player.residency.add({{64 * kKib, 4}, {64 * kKib, 3}, {200 * kKib, 2}});
+  player.failing = {{damaged, 1}};
+  const uint32_t sound = player.residency.add({{64 * kKib, 4}, {250 * kKib, 3}});
+  for (int i = 0; i < 20; ++i) player.frame({{damaged, 0.0f}});
+  for (int i = 0; i < 200; ++i) player.frame({{damaged, 0.0f}, {sound, 0.0f}});
+  EXPECT_TRUE(player.residency.resident({sound, 1})) << "its room is held by what nobody can show";
+  EXPECT_FALSE(player.residency.resident({damaged, 2}));
+  EXPECT_TRUE(player.residency.settled());
+}
+
 TEST(Residency, ObeysABudgetThatShrinks) {
   Player player({.budget_bytes = 200 * 64 * kKib}, 3);
   const uint32_t slot = player.residency.add(fourLevels());
@@ -475,6 +487,7 @@ TEST(Residency, SettlesUnderConstantDemand) {
   for (int trial = 0; trial < 300; ++trial) {
     Player player({.budget_bytes = (1 + below(4000)) * kKib, .max_loading = 1 + int(below(8))}, int(below(4)));
     std::vector<uint32_t> slots;
+    const bool damaged = below(3) == 0;
     for (uint32_t i = 0; i < 2 + below(12); ++i) {
       std::vector<PartDesc> parts;
       float end = 3 + float(below(300)) * 0.01f;
@@ -483,6 +496,7 @@ TEST(Residency, SettlesUnderConstantDemand) {
         parts.back().takes_over = below(4) == 0;
       }
       slots.push_back(player.residency.add(parts));
+      if (damaged && below(2) == 0) player.failing.push_back({slots.back(), below(uint32_t(parts.size()))});
     }
     const auto demands = [&] {
       std::vector<std::pair<uint32_t, float>> chosen;

@@ -8,6 +8,7 @@
 #include "material/asset.h"
 #include "material/environment.h"
 #include "material/issues.h"
+#include "material/leading_part.h"
 
 namespace loden::importer {
 namespace {
@@ -39,6 +40,11 @@ Part atlasPart(const Material& material) {
           residentAtlasBytes(material.geometry, size), 0};
 }
 
+// What the runtime keeps beside the whole: no bytes of its own in the file, but a chunk of its own.
+Part leadingPart(const std::string& name, const std::string& extent, uint64_t stored_bytes, uint64_t gpu_bytes, double lambda_first = 0) {
+  return {name, "", extent, 0, stored_bytes, gpu_bytes, lambda_first};
+}
+
 std::vector<Part> partsOf(const AssetFile& file) {
   const Material& material = file.skeleton();
   std::vector<Part> parts;
@@ -54,6 +60,9 @@ std::vector<Part> partsOf(const AssetFile& file) {
     parts.push_back(partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
     parts.push_back(partOf(name + " table", band.table, 0, lambda));
     parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
+    if (band.lead_quads > 0)
+      parts.push_back(leadingPart(name + " lead", formatted("%d of %d quads", band.lead_quads, band.quads()),
+                                  file.bandStoredBytes(static_cast<int>(b), AssetFile::Share::kFirst), gpuBytes(leadOf(band)), lambda));
   }
   if (material.stored_vdim) {
     parts.push_back(partOf("vdim reference", material.stored_vdim->reference, file.storedVdimStoredBytes()));
@@ -63,6 +72,9 @@ std::vector<Part> partsOf(const AssetFile& file) {
     parts.push_back(partOf("surface normal", material.surface->normal, file.surfaceStoredBytes()));
     parts.push_back(partOf("surface diffuse", material.surface->diffuse, 0));
     parts.push_back(partOf("surface specular", material.surface->specular, 0));
+    if (material.surface->tail_mip > 0)
+      parts.push_back(leadingPart("surface tail", formatted("mips from %d on", material.surface->tail_mip),
+                                  file.surfaceStoredBytes(AssetFile::Share::kFirst), gpuBytes(tailOf(*material.surface))));
   }
   return parts;
 }
@@ -73,7 +85,7 @@ Json bandJson(const Band& band, size_t index) {
           {"layout", band.layout == TableLayout::kGrid ? "grid" : "nearest"},
           {"filter", band.filter == WeightFilter::kLinear ? "linear" : "nearest"},
           {"window", {w.in_begin, w.in_end, w.out_begin, w.out_end}}, {"lambda_first", band.lambda_first},
-          {"y_components", band.y_quads * 4}, {"chroma_quads", band.chroma_quads}, {"ratio", band.ratio}};
+          {"y_components", band.y_quads * 4}, {"chroma_quads", band.chroma_quads}, {"ratio", band.ratio}, {"lead_quads", band.lead_quads}};
 }
 
 // A level L needs every band whose window is open at some lambda >= L: what a file cut there still gives.
@@ -97,6 +109,7 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
       const uint64_t weights = bytesOf(w) - textureBytes(w.format, w.width, w.height, w.depth, skipped);
       bytes.raw += weights + bytesOf(band.table);
       bytes.gpu += weights + bytesOf(band.table) + environmentTableBytes(band);
+      if (band.lead_quads > 0) bytes.gpu += gpuBytes(leadOf(band));
     }
     levels.push_back(bytes);
   }

@@ -12,6 +12,7 @@
 #include "importer/study/study.h"
 #include "material/color.h"
 #include "material/evaluate.h"
+#include "material/leading_part.h"
 
 namespace loden::importer {
 namespace {
@@ -70,7 +71,13 @@ Result<std::vector<Candidate>> candidates(const StudyOptions& options, const Bak
   const auto geometry = geometryOf(baked, plan.geometry_side);
   if (!geometry) return geometry.issue();
   all.push_back({"fused", fitFused(source, btf, *geometry, plan, options.threads).material});
-  all.push_back({"fused-point", all.back().material, true});
+  const Material fused = all.back().material;
+  all.push_back({"fused-point", fused, true});
+  // What streaming shows first: the coarse band's leading part, and before that the mean.
+  all.push_back({"fused-lead", fused});
+  all.back().material.bands.back() = leadOf(fused.bands.back());
+  all.push_back({"mean", fused});
+  all.back().material.bands.clear();
   return all;
 }
 

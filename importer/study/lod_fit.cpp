@@ -16,6 +16,7 @@
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
 #include "material/color.h"
+#include "material/environment.h"
 #include "material/evaluate.h"
 
 namespace loden::importer {
@@ -92,11 +93,16 @@ Material keepComponents(const Material& whole, int y) {
     for (int c = y; c < 4 * band.y_quads; ++c) band.quad_scale[size_t(c / 4)][c % 4] = 0;
   return kept;
 }
-uint64_t droppedBytes(const Material& whole, int y) {
-  uint64_t bytes = 0;
+struct DroppedBytes {
+  uint64_t file = 0, gpu = 0;  // gpu: with the tables of light from all around, which the runtime makes
+};
+DroppedBytes droppedBytes(const Material& whole, int y) {
+  DroppedBytes bytes;
   for (const Band& band : whole.bands) {
-    const auto dropped = uint64_t(std::max(band.y_quads - (y + 3) / 4, 0));
-    bytes += dropped * (band.table.data.size() / uint64_t(band.quads()) + band.weights.data.size() / uint64_t(band.weights.depth));
+    const auto dropped = uint64_t(std::max(band.y_quads - (y + 3) / 4, 0)), quads = uint64_t(band.quads());
+    const uint64_t file = dropped * (band.table.data.size() / quads + band.weights.data.size() / uint64_t(band.weights.depth));
+    bytes.file += file;
+    bytes.gpu += file + dropped * (environmentTableBytes(band) / quads);
   }
   return bytes;
 }
@@ -108,7 +114,7 @@ struct RowContext {
   const char* directions;
 };
 
-StudyRow errorRow(const RowContext& context, const Material& m, int y, uint64_t dropped, const BtfError& error) {
+StudyRow errorRow(const RowContext& context, const Material& m, int y, const DroppedBytes& dropped, const BtfError& error) {
   uint64_t coefficients = 0;
   for (const Band& band : m.bands) coefficients += band.bytes();
   const int chroma = m.bands.empty() ? 0 : 2 * m.bands.front().chroma_quads;
@@ -116,8 +122,8 @@ StudyRow errorRow(const RowContext& context, const Material& m, int y, uint64_t 
   StudyRow row;
   row.set("tile", context.data.tile).set("size", context.data.size).set("mode", modeName(m.mode));
   row.set("preset", context.preset).set("components", counts).set("y_components", y).set("storage", context.storage);
-  row.set("coefficient_bytes", coefficients - dropped).set("file_bytes", rawFileBytes(m) - dropped);
-  row.set("gpu_bytes", residentBytes(m) - dropped);
+  row.set("coefficient_bytes", coefficients - dropped.file).set("file_bytes", rawFileBytes(m) - dropped.file);
+  row.set("gpu_bytes", residentBytes(m) - dropped.gpu);
   const char* names[3] = {"y", "cb", "cr"};
   for (int c = 0; c < 3; ++c) {
     const std::string name = names[c];
@@ -156,9 +162,9 @@ Status addFusedRows(const StudyOptions& options, const TileData& data, const Bak
     const auto geometry = geometryOf(baked, plan.geometry_side);
     if (!geometry) return geometry.issue();
     const FusedFit fit = fitFused(*data.source, data.btf, *geometry, plan, options.threads);
-    rows.push_back(errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, 0, fit.error));
+    rows.push_back(errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, {}, fit.error));
     if (between)
-      rows.push_back(errorRow({data, preset, "snorm8", "unsampled"}, fit.material, plan.y_components, 0,
+      rows.push_back(errorRow({data, preset, "snorm8", "unsampled"}, fit.material, plan.y_components, {},
                               unsampledError(fit.material, unsampled, options.threads)));
     return {};
   };

@@ -1,7 +1,8 @@
 // Texels that are fitted to the filter that reads them. Not installed.
 //
 // A texel that holds the mean of its surface is blurred once more by the linear filter. Here the whole map is chosen
-// so that the filtered map is closest, in the least squares sense, to all samples of the surface that a view sees.
+// so that the filtered map is closest, in the least squares sense, to all samples of the surface that a view sees. Dark
+// samples count more than bright ones, because the eye sees an error there sooner.
 #pragma once
 
 #include <array>
@@ -32,12 +33,13 @@ class LinearTexels {
     float weight;
   };
   size_t texelAt(glm::ivec2 at) const;
+  using Row = std::array<float, kNear>;  // of the normal equations
 
   int side_;
   size_t lights_;
   float full_;  // samples a texel
   std::vector<std::array<Tap, 4>> taps_;          // [place]
-  std::vector<std::array<float, kNear>> normal_;  // [texel]: its row of the normal equations
+  std::vector<Row> normal_;                       // [texel][light]
   std::vector<glm::vec3> right_;                  // [texel][light]
 };
 

@@ -270,6 +270,21 @@ TEST(Bake, LinearTexelsChangeOnlyTheFlatMaps) {
     EXPECT_EQ(bytes != linear.at(name), name.starts_with("flat/") || name == "bake.json") << name;
 }
 
+// Where black and white samples disagree, the fit stays closer to the black ones than their mean does.
+TEST(LinearTexels, ErrOnTheBrightSide) {
+  constexpr int n = 6, per_side = 2;
+  LinearTexels linear(n, per_side, 1);
+  for (int t = 0; t < n * n; ++t)
+    for (int k = 0; k < per_side * per_side; ++k)
+      for (const glm::vec3& value : {glm::vec3(0), glm::vec3(1)}) linear.add({t % n, t / n}, k, std::span(&value, 1));
+  std::vector<glm::vec3> texels(n * n, glm::vec3(0.5f));
+  linear.fit(0, texels);
+  for (const glm::vec3& texel : texels) {
+    EXPECT_LT(texel.y, 0.3f);
+    EXPECT_GT(texel.y, 0.1f) << "bright samples count too";
+  }
+}
+
 // A map that its own filter has read: the fit gives it back, and does not touch what has no samples around it.
 TEST(LinearTexels, RecoverAMapFromItsFilteredSamples) {
   constexpr int n = 12, per_side = 4;

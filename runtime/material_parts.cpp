@@ -61,7 +61,8 @@ void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAt
 }
 
 uint64_t bandGpuBytes(const Band& band) {
-  return gpuBytes(band.weights) + gpuBytes(band.table) + environmentTableBytes(band);
+  const uint64_t light_table = band.light_quads > 0 ? gpuBytes(band.light_table) : 0;
+  return gpuBytes(band.weights) + gpuBytes(band.table) + light_table + environmentTableBytes(band);
 }
 
 void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
@@ -81,6 +82,8 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index) {
   LoadedPart part;
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
+  if (band->light_quads > 0)
+    part.textures.push_back({LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
   part.textures.push_back({LODEN_UNIT_ENVIRONMENT + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
   return part;
 }
@@ -152,7 +155,9 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
   switch (part.kind) {
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
-      return add("a band table", material.bands[size_t(part.band)].table);
+      add("a band table", material.bands[size_t(part.band)].table);
+      if (material.bands[size_t(part.band)].light_quads > 0) add("a light table", material.bands[size_t(part.band)].light_table);
+      return;
     case PartKind::kGeometry:
       add("a geometry image", material.geometry.texels);
       [[fallthrough]];

@@ -15,7 +15,7 @@ namespace {
 using test::expectSame;
 using Bytes = std::vector<std::byte>;
 
-const auto kMakers = {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial};
+const auto kMakers = {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::lightFactorMaterial};
 
 Bytes serialized(const Material& material) {
   Result<Bytes> bytes = serializeAsset(material);

@@ -74,10 +74,10 @@ def read_directions(head, name):
 
 def read_band(head, place):
     print("band", place, *head.u32(3), head.bits(5))
-    y_quads, chroma_quads, ratio = head.u32(3)
-    weights, table = head.u32(5), head.u32(4)
-    print("quads", y_quads, chroma_quads, ratio, head.bits(4), head.bits(4 * (y_quads + chroma_quads)))
-    return [texture(*weights), texture(*table, 1)]
+    y_quads, chroma_quads, ratio, light_quads = head.u32(4)
+    tables = [head.u32(5), head.u32(4) + [1]] + ([head.u32(4) + [1]] if light_quads else [])
+    print("quads", y_quads, chroma_quads, ratio, light_quads, head.bits(4), head.bits(4 * (y_quads + chroma_quads + light_quads)))
+    return [texture(*extents) for extents in tables]
 
 
 def read_head(head):

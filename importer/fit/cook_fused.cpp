@@ -197,11 +197,13 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
 namespace {
 
 constexpr int kTrialSweeps = 2;  // enough to rank candidates
+// Of a light factor and of the shading under it, which is smooth: as many bytes as 20 components alone.
+constexpr int kSplitComponents = 8, kLightComponents = 12;
 
 FusedPlan presetPlan(const CookOptions& options) {
   FusedPlan plan;
   if (options.preset == Preset::kReference) plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
-  if (options.shadows == Shadows::kSplit) plan.y_components = 8, plan.light_components = 12;
+  if (options.shadows == Shadows::kSplit) plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
   if (options.y_components) plan.y_components = options.y_components;
   if (options.light_components) plan.light_components = options.light_components;
   plan.chroma_components = options.cb_components;
@@ -221,7 +223,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
-    const Goal goal{options.max_bytes, options.target_rmse, options.levels};
+    const Goal goal{options.max_bytes, options.target_rmse, options.levels, plan.light_components};
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
     const auto trial = [&](FusedPlan candidate) -> Result<double> {
       const auto image = geometry(candidate.geometry_side);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "importer/fit/eigen.h"
 #include "importer/fit/grid_table.h"
@@ -15,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kPhis = 25, kThetas = 6;
-constexpr int kSubsamples = 3;       // per side of a flat texel
+constexpr int kMostSubsamples = 3;   // per side of a flat texel, where the geometry image is fine enough to tell them apart
 constexpr double kLift = 2e-3;       // tile periods along the normal: where shadow rays start
 constexpr int kRounds = 12;
 constexpr double kPull = 1e-3;       // towards the last round, relative: samples beyond the ends leave components free
@@ -83,11 +84,12 @@ Matrix lightVisibility(const GeometryImage& image, int side, const DirectionGrid
   const std::vector<glm::dvec3> lights = gridDirections(grid);
   Matrix visibility(side * side, static_cast<int>(lights.size()));
   std::vector<uint8_t> known(size_t(side) * size_t(side));
+  const int subsamples = std::clamp(2 * image.side() / side, 1, kMostSubsamples);
   parallelFor(size_t(side) * size_t(side), threads, [&](size_t texel) {
     const int t = static_cast<int>(texel);
     int points = 0;
-    for (int s = 0; s < kSubsamples * kSubsamples; ++s) {
-      const glm::dvec2 inside((s % kSubsamples + 0.5) / kSubsamples, (s / kSubsamples + 0.5) / kSubsamples);
+    for (int s = 0; s < subsamples * subsamples; ++s) {
+      const glm::dvec2 inside((s % subsamples + 0.5) / subsamples, (s / subsamples + 0.5) / subsamples);
       const auto point = surfaceAt<double>(image, (glm::dvec2(t % side, t / side) + inside) / double(side));
       if (point.chart == 0) continue;
       ++points;

@@ -27,7 +27,7 @@
 namespace loden::importer {
 namespace {
 
-constexpr int kComponents[] = {4, 8, 20, 64, 128};
+constexpr int kComponents[] = {4, 8, 20, 64};
 constexpr int kTakenApart = 20;  // components of the rows that take luma and chroma apart
 constexpr int kLabEvery = 5;     // lights
 
@@ -182,7 +182,7 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
     if (const Status s = addFlatBtf(to, options, way.name, views, way.find); !s) return s;
     const Indirection a = makeIndirection(btf->side(), btf->side(), views, way.find, options.threads);
     for (const int k : kComponents)
-      if (way.all || k == kTakenApart) addComponents(to, way.name, a, k);
+      if (k <= btf->texels() && (way.all || k == kTakenApart)) addComponents(to, way.name, a, k);
   }
   struct Split {
     int y, chroma, light;

@@ -24,6 +24,8 @@ Status checkOptions(const CookOptions& o) {
     return refuse(goal_option, "chooses the components itself; give it without --components and --preset");
   if (o.mode == Mode::kSurface && (o.levels > 0 || o.y_components > 0 || chroma))
     return refuse(o.levels > 0 ? "--levels" : "--components", "has no meaning with --mode surface, which has no bands");
+  if (o.shadows == Shadows::kSplit && o.mode != Mode::kFused) return refuse("--shadows split", "has a meaning with --mode fused only");
+  if (o.light_components > 0 && o.shadows != Shadows::kSplit) return refuse("--light-components", "has a meaning with --shadows split only");
   if (o.cb_components != o.cr_components) return refuse("--components", "CB and CR must be equal: they share quads of the tables");
   if (o.mode == Mode::kFused && o.preset == Preset::kSeed)
     return refuse("--preset seed", "reproduces the paper's level-of-detail material; add --mode lod");

@@ -12,10 +12,18 @@ namespace loden::importer {
 
 enum class Preset { kSeed, kGame, kReference };
 
+// Where cast shadows are, in mode fused.
+enum class Shadows {
+  kJoint,  // in the components of the bands
+  kSplit,  // in a light factor of the flat band, a map of its own (FBTF section 5)
+};
+
 struct CookOptions {
   Mode mode = Mode::kFused;
   Preset preset = Preset::kGame;
   int y_components = 0, cb_components = 0, cr_components = 0;  // 0: the preset's
+  Shadows shadows = Shadows::kJoint;
+  int light_components = 0;  // of kSplit; 0: the preset's
   int levels = 0;            // 0: the preset's
   uint64_t max_bytes = 0;    // goal; 0: none. Bytes of all raw data in the file
   double target_rmse = 0;    // goal on Y, white = 1; 0: none

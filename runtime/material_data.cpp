@@ -5,6 +5,7 @@
 
 #include "material/environment.h"
 #include "material/issues.h"
+#include "runtime/shader_variants.h"
 
 namespace loden::runtime {
 
@@ -32,7 +33,9 @@ LodenBandData bandData(const Band& band) {
   if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
   if (band.filter == WeightFilter::kLinear) bits |= LODEN_BAND_LINEAR;
   if (band.ratio) bits |= LODEN_BAND_RATIO;
+  if (band.light_quads > 0) bits |= LODEN_BAND_LIGHT;
   data.layout_ = {bits, band.y_quads, band.chroma_quads, band.quads()};
+  data.light = {band.light_table.height, band.light_table.width, band.light_quads, band.lightLayer()};
   std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
   data.ratio_scale = {band.ratio_scale.x, band.ratio_scale.y, 1, 0};
   return data;
@@ -55,15 +58,22 @@ Issue limitIssue(const Material& material, const std::string& text) {
   return {issue_id::kLimit, Severity::kError, material.name, text};
 }
 
+int lightFactors(const Material& material) {
+  return int(std::count_if(material.bands.begin(), material.bands.end(), [](const Band& band) { return band.light_quads > 0; }));
+}
+
 Status checkBands(const Material& material) {
   if (material.bands.empty()) return limitIssue(material, "a material without bands and surface maps cannot be drawn");
   if (material.bands.size() > LODEN_MAX_BANDS)
     return limitIssue(material, std::to_string(material.bands.size()) + " bands, shaders read " +
                                     std::to_string(LODEN_MAX_BANDS) + "; cook with fewer levels");
+  if (lightFactors(material) > (material.bands.size() <= kMostLightFactorBands ? 1 : 0))
+    return limitIssue(material, "more than one light factor, or one among more than " + std::to_string(kMostLightFactorBands) + " bands");
   for (const Band& band : material.bands) {
     if (band.layout != material.bands.front().layout) return limitIssue(material, "bands mix table layouts");
-    if (band.quads() < 1 || band.quads() > LODEN_MAX_QUADS || band.quad_scale.size() != size_t(band.quads()))
-      return limitIssue(material, "a band of " + std::to_string(band.quads()) + " quads, shaders read 1 to " +
+    const int quads = band.quads() + band.light_quads;
+    if (band.quads() < 1 || quads > LODEN_MAX_QUADS || band.quad_scale.size() != size_t(quads))
+      return limitIssue(material, "a band of " + std::to_string(quads) + " quads, shaders read 1 to " +
                                       std::to_string(LODEN_MAX_QUADS) + "; cook with fewer components");
   }
   return {};
@@ -87,10 +97,11 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup)
     variant.kind = MaterialVariant::Kind::kBands;
     variant.bands = static_cast<uint8_t>(material.bands.size());
     variant.nearest_tables = material.bands.front().layout == TableLayout::kNearest;
+    variant.light_factor = lightFactors(material) > 0;
   }
   const bool has_geometry = material.geometry.side() > 0;
   if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
-  if (material.stored_vdim && !variant.nearest_tables && (lookup == Lookup::kPaper || !has_geometry))
+  if (material.stored_vdim && !variant.nearest_tables && !variant.light_factor && (lookup == Lookup::kPaper || !has_geometry))
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
     variant.lookup = lookup == Lookup::kPaper ? Lookup::kDefault : lookup;

@@ -67,6 +67,7 @@ std::array<uint32_t, LODEN_UNIT_FIRST_FREE> SharedTextures::emptyUnits(const Mat
   units[LODEN_UNIT_VDIM_VOLUME] = empty_volume_.name();
   if (variant.nearest_tables)
     units[LODEN_UNIT_NEAREST_LIGHT] = units[LODEN_UNIT_NEAREST_VIEW] = empty_index_.name();
+  if (variant.light_factor) units[LODEN_UNIT_LIGHT_TABLE] = empty_volume_.name();
   return units;
 }
 

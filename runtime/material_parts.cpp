@@ -98,6 +98,8 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Sha
   if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::lead, *band);
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
+  if (band->light_quads > 0)
+    part.textures.push_back({LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
   part.textures.push_back({LODEN_UNIT_ENVIRONMENT + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
   return part;
 }
@@ -172,7 +174,9 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
     case PartKind::kSurfaceTail: return;  // the whole follows, and is larger
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
-      return add("a band table", material.bands[size_t(part.band)].table);
+      add("a band table", material.bands[size_t(part.band)].table);
+      if (material.bands[size_t(part.band)].light_quads > 0) add("a light table", material.bands[size_t(part.band)].light_table);
+      return;
     case PartKind::kGeometry:
       add("a geometry image", material.geometry.texels);
       [[fallthrough]];

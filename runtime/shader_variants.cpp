@@ -37,11 +37,12 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (row.relief && !hasRelief(variant)) return false;
   switch (variant.kind) {
     case MaterialVariant::Kind::kNone: return row.none && variant == MaterialVariant{};
-    case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0 && !variant.nearest_tables;
+    case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0 && !variant.nearest_tables && !variant.light_factor;
     case MaterialVariant::Kind::kBands:
       // The published VDIM and the nearest-direction images share texture units.
       return row.bands && variant.bands >= 1 && variant.bands <= LODEN_MAX_BANDS &&
-             !(variant.nearest_tables && variant.lookup == Lookup::kPaper);
+             !(variant.nearest_tables && variant.lookup == Lookup::kPaper) &&
+             !(variant.light_factor && (variant.nearest_tables || variant.lookup == Lookup::kPaper || variant.bands > kMostLightFactorBands));
   }
   return false;
 }
@@ -57,7 +58,8 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
       addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup.lookup, false, counted});
       for (const bool nearest : {false, true})
         for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
-          addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup.lookup, nearest, counted});
+          for (const bool light_factor : {false, true})
+            addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup.lookup, nearest, counted, light_factor});
     }
   return variants;
 }
@@ -67,6 +69,7 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   if (variant.kind == MaterialVariant::Kind::kSurface) defines.push_back("LODEN_MODE_SURFACE 1");
   if (variant.kind == MaterialVariant::Kind::kBands) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
+  if (variant.light_factor) defines.push_back("LODEN_LIGHT_FACTOR 1");
   if (const char* define = lookupName(variant.lookup).define) defines.push_back(define);
   if (variant.count_fetches) defines.push_back("LODEN_COUNT_FETCHES 1");
   return defines;
@@ -76,6 +79,7 @@ std::string variantName(const MaterialVariant& variant) {
   if (variant.kind == MaterialVariant::Kind::kNone) return "plain";
   std::string name = variant.kind == MaterialVariant::Kind::kSurface ? "surface" : "bands" + std::to_string(variant.bands);
   if (variant.nearest_tables) name += "-nearest";
+  if (variant.light_factor) name += "-light";
   name += std::string("-") + lookupName(variant.lookup).name;
   return variant.count_fetches ? name + "-counted" : name;
 }

@@ -21,8 +21,12 @@ struct MaterialVariant {
   Lookup lookup = Lookup::kNone;
   bool nearest_tables = false;  // of kBands: tables are read at the nearest sampled pair
   bool count_fetches = false;   // the instrumented variant
+  bool light_factor = false;    // of kBands: a band has a light factor (material/band.h)
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };
+
+// A light factor goes with a cooked flat band, which has one coarser band beside it at most.
+inline constexpr size_t kMostLightFactorBands = 2;
 
 // One row: two entry files and the material variants they may be built for.
 struct ProgramRow {

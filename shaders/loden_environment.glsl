@@ -1,5 +1,5 @@
 // Light from all around. Mirrors material/environment.h and the environment's half of material/evaluate.cpp.
-// Fetches per band: quads * 7 (weights, and one of the table per basis function), and 1 for the ratio layer; about
+// Fetches per band: quads * 7 (weights, and one of the table per basis function; those of a light factor too), and 1 for the ratio layer; about
 // what two lights cost.
 //
 // Use, once per pixel:
@@ -55,6 +55,11 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
   float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
   int quads = layout_.y + layout_.z;
   vec4 ratio_scale = loden_material.bands[band].ratio_scale;
+#ifdef LODEN_LIGHT_FACTOR
+  int own = quads;  // the light factor's weights come behind, and add to Y
+  ivec4 factor = loden_material.bands[band].light;
+  quads += factor.z;
+#endif
   vec2 size = loden_material.bands[band].grid.yx;
   vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
   vec3 at = vec3(view * (size - 1.0) + 0.5, 0.5) * texel_size;
@@ -70,14 +75,19 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
       green += light.c[k].g * texel;
       blue += light.c[k].b * texel;
     }
+#ifdef LODEN_LIGHT_FACTOR
+    vec4 weights = loden_fetch_weights(band, quad < own ? quad : factor.w + quad - own, q, lod);
+    bool luminance = quad < layout_.y || quad >= own;
+#else
     vec4 weights = loden_fetch_weights(band, quad, q, lod);
+    bool luminance = quad < layout_.y;
+#endif
     weights *= float(quad) < ratio_scale.w ? 1.0 : ratio_scale.z;
     red *= weights;
     green *= weights;
     blue *= weights;
     mat3 halves = mat3(0.0, red.x + red.y, red.z + red.w, 0.0, green.x + green.y, green.z + green.w, 0.0,
                        blue.x + blue.y, blue.z + blue.w);
-    bool luminance = quad < layout_.y;
     for (int c = 0; c < 3; ++c) sum[c] += luminance ? vec3(halves[c].y + halves[c].z, 0.0, 0.0) : halves[c];
   } while (++quad < quads);
   if ((layout_.x & LODEN_BAND_RATIO) != 0) {

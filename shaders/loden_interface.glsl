@@ -26,6 +26,9 @@ LODEN_BINDING(LODEN_UNIT_WEIGHTS) uniform sampler2DArray loden_weights[LODEN_BAN
 LODEN_BINDING(LODEN_UNIT_TABLE) uniform sampler3D loden_table[LODEN_BANDS];           // clamp, linear
 LODEN_BINDING(LODEN_UNIT_ENVIRONMENT) uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
 #endif
+#ifdef LODEN_LIGHT_FACTOR
+LODEN_BINDING(LODEN_UNIT_LIGHT_TABLE) uniform sampler3D loden_light_table;  // clamp, linear
+#endif
 #if defined(LODEN_TABLES_NEAREST)
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
 LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;

@@ -26,6 +26,7 @@
 #define LODEN_UNIT_NEAREST_VIEW 20
 #define LODEN_UNIT_PAPER_REFERENCE 19  // the paper's VDIM and nearest tables never meet in one variant
 #define LODEN_UNIT_PAPER_PACKED 20
+#define LODEN_UNIT_LIGHT_TABLE 20  // nor do these and a light factor
 #define LODEN_UNIT_ENVIRONMENT 21
 #define LODEN_UNIT_FIRST_FREE 29  // units 29 and up belong to the renderer
 
@@ -36,6 +37,7 @@
 #define LODEN_BAND_FLAT 1     // weights are read at p, else at x
 #define LODEN_BAND_LINEAR 2   // filtered weights, else nearest
 #define LODEN_BAND_RATIO 4    // one more layer of weights: Cb/Y and Cr/Y
+#define LODEN_BAND_LIGHT 8    // a light factor; of one band at most
 // Bits of LodenMaterialData.flags.x
 #define LODEN_MEAN_RATIO 1            // the mean's chroma is a multiple of its Y
 #define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
@@ -56,7 +58,8 @@ struct LodenBandData {
   vec4 mip;        // lambda_first, mips - 1, weights' texels per side, 1 / table's depth
   vec4 grid;       // thetas, phis of the table, 1 / thetas^2, 1 / phis; of nearest tables: of the views for the environment
   ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
-  vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
+  ivec4 light;     // thetas, phis of the light factor's table, its quads, the first layer of its weights
+  vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y, chroma and light
   vec4 ratio_scale;                  // of the ratio layer; share of what quads add from w on, which quad_scale holds already; w
 };
 
@@ -74,7 +77,7 @@ struct LodenMaterialData {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LodenBandData) == 16 * (5 + LODEN_MAX_QUADS));
+static_assert(sizeof(LodenBandData) == 16 * (6 + LODEN_MAX_QUADS));
 static_assert(sizeof(LodenMaterialData) == 16 * (8 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden
 #endif

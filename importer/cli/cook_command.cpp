@@ -39,6 +39,9 @@ class CookCommand : public Command {
     options.choice("--preset", preset_, {"seed", "game", "reference"},
                    "seed: as published; game: 8 bit, small; reference: as exact as it gets");
     options.text("--components", components_, "Y,CB,CR components; fused: CB = CR for what a ratio to Y leaves; default: the preset's");
+    options.choice("--shadows", shadows_, {"joint", "split"},
+                   "fused: cast shadows in the components, or in a map of their own that multiplies them");
+    options.integer("--light-components", cook_.light_components, "Components of that map; 0: the preset's", 0, 32);
     options.integer("--levels", cook_.levels, "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
     options.flag("--fix-nonfinite", fix_nonfinite_, "Repair values that are not finite from their neighbours, and say so");
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
@@ -70,6 +73,7 @@ class CookCommand : public Command {
   Status parse() {
     cook_.mode = mode_ == "lod" ? Mode::kLod : mode_ == "surface" ? Mode::kSurface : Mode::kFused;
     cook_.preset = preset_ == "seed" ? Preset::kSeed : preset_ == "reference" ? Preset::kReference : Preset::kGame;
+    cook_.shadows = shadows_ == "split" ? Shadows::kSplit : Shadows::kJoint;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
     if (!(cook_.target_rmse >= 0))
@@ -176,7 +180,7 @@ class CookCommand : public Command {
   }
 
   std::filesystem::path input_, output_;
-  std::string mode_ = "fused", preset_ = "game", components_, name_;
+  std::string mode_ = "fused", preset_ = "game", shadows_ = "joint", components_, name_;
   bool explain_ = false, fix_nonfinite_ = false;
   std::shared_ptr<RepairLog> repairs_;
   CookOptions cook_;

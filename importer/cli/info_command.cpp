@@ -60,6 +60,7 @@ std::vector<Part> partsOf(const AssetFile& file) {
     parts.push_back(partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
     parts.push_back(partOf(name + " table", band.table, 0, lambda));
     parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
+    if (band.light_quads > 0) parts.push_back(partOf(name + " light table", band.light_table, 0, lambda));
     if (band.lead_quads > 0)
       parts.push_back(leadingPart(name + " lead", formatted("%d of %d quads", band.lead_quads, band.quads()),
                                   file.bandStoredBytes(static_cast<int>(b), AssetFile::Share::kFirst), gpuBytes(leadOf(band)), lambda));
@@ -85,7 +86,8 @@ Json bandJson(const Band& band, size_t index) {
           {"layout", band.layout == TableLayout::kGrid ? "grid" : "nearest"},
           {"filter", band.filter == WeightFilter::kLinear ? "linear" : "nearest"},
           {"window", {w.in_begin, w.in_end, w.out_begin, w.out_end}}, {"lambda_first", band.lambda_first},
-          {"y_components", band.y_quads * 4}, {"chroma_quads", band.chroma_quads}, {"ratio", band.ratio}, {"lead_quads", band.lead_quads}};
+          {"y_components", band.y_quads * 4}, {"chroma_quads", band.chroma_quads}, {"ratio", band.ratio},
+          {"light_components", band.light_quads * 4}, {"lead_quads", band.lead_quads}};
 }
 
 // A level L needs every band whose window is open at some lambda >= L: what a file cut there still gives.
@@ -107,8 +109,9 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
       const int skipped = std::clamp(level - static_cast<int>(band.lambda_first), 0, band.weights.mips - 1);
       const Texture& w = band.weights;
       const uint64_t weights = bytesOf(w) - textureBytes(w.format, w.width, w.height, w.depth, skipped);
-      bytes.raw += weights + bytesOf(band.table);
-      bytes.gpu += weights + bytesOf(band.table) + environmentTableBytes(band);
+      const uint64_t tables = bytesOf(band.table) + (band.light_quads > 0 ? bytesOf(band.light_table) : 0);
+      bytes.raw += weights + tables;
+      bytes.gpu += weights + tables + environmentTableBytes(band);
       if (band.lead_quads > 0) bytes.gpu += gpuBytes(leadOf(band));
     }
     levels.push_back(bytes);

@@ -15,6 +15,7 @@ namespace loden::importer {
 struct BandFactors {
   int side = 0;
   Factors y, cb, cr;
+  Factors light;  // of a light factor: the basis over the light grid's degrees of freedom; packs with PackOptions::light_grid
   bool on_grid = false;
   // Cb/Y and Cr/Y, [mip][texel]; mips that are not given are means of the one before; empty: no ratio layer.
   std::vector<std::vector<glm::dvec2>> ratio;
@@ -34,6 +35,7 @@ struct PackOptions {
   DirectionGrid grid;        // of kGrid
   int mips = 1;              // of the weights, by 2 x 2 means
   int spare_layers = 0;      // zero layers behind the weights
+  DirectionGrid light_grid = {};  // of a light factor's table
   std::vector<uint16_t> owners = {};  // [texel] chart of the weights: mips average inside one (charts.h); empty: one chart
 };
 
@@ -42,7 +44,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
               const PackOptions& options);
 
 // A stored band as the evaluator reads it at the sampled directions: mip 0 of the weights and the table at the
-// samples, scales folded into the basis.
+// samples, scales folded into the basis; the light factor's basis is lights x k.
 BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const DirectionSet& lights,
                        const DirectionSet& views);
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
+#include <algorithm>
 
 #include "importer/fit/eigen.h"
 #include "importer/fit/flat_fit.h"
@@ -22,11 +23,44 @@ ViewProducts viewProducts(const Matrix& seen, const Matrix& block) {
   return p;
 }
 
+ViewProducts viewProducts(const Matrix& seen, const Matrix& block, const Matrix& factor) {
+  // So many texels decide the few unknowns of a light well enough.
+  constexpr int kEnoughTexels = 1 << 14;
+  const int step = seen.rows > kEnoughTexels ? seen.rows / kEnoughTexels | 1 : 1;  // odd: not always the same columns
+  const int rows = (seen.rows + step - 1) / step;
+  ViewProducts p;
+  p.cross.resize(seen.cols, block.cols);
+  p.gram = MatrixXd::Zero(seen.cols, seen.cols);
+  p.squares = eigen(block).squaredNorm();
+  MatrixXd some(rows, seen.cols), scaled;
+  for (int r = 0; r < rows; ++r) some.row(r) = eigen(seen).row(r * step);
+  Eigen::VectorXd f(rows), b(rows);
+  for (int l = 0; l < block.cols; ++l) {
+    for (int r = 0; r < rows; ++r) f[r] = factor(r * step, l), b[r] = block(r * step, l);
+    scaled = some.array().colwise() * f.array();
+    MatrixXd half = MatrixXd::Zero(seen.cols, seen.cols);
+    half.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
+    p.grams.emplace_back(half.selfadjointView<Eigen::Lower>());
+    p.cross.col(l).noalias() = scaled.transpose() * b;
+    p.gram += p.grams.back() / double(block.cols);
+  }
+  return p;
+}
+
 MatrixXd solveView(const ViewProducts& p) {
   constexpr double kRidge = 1e-9;  // relative; decides the tables of views that see too little
   MatrixXd ridged = p.gram;
   ridged.diagonal().array() += kRidge * p.gram.trace() / double(p.gram.rows()) + 1e-300;
-  return ridged.ldlt().solve(p.cross);
+  if (p.grams.empty()) return ridged.ldlt().solve(p.cross);
+  // A light that reaches few texels is held to what these need at the mean of all lights.
+  constexpr double kFactorRidge = 1e-4;
+  MatrixXd e(p.cross.rows(), p.cross.cols());
+  for (Index l = 0; l < e.cols(); ++l) {
+    ridged = p.grams[size_t(l)];
+    ridged.diagonal().array() += kFactorRidge * p.gram.trace() / double(p.gram.rows()) + 1e-300;
+    e.col(l) = ridged.ldlt().solve(p.cross.col(l));
+  }
+  return e;
 }
 
 namespace {
@@ -37,10 +71,11 @@ constexpr double kGridRoughness = 1e-5;  // relative to the mean diagonal of the
 std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads) {
   std::vector<ViewProducts> products(size_t(b.blocks));
   parallelFor(size_t(b.blocks), threads, [&](size_t v) {
-    Matrix block, seen;
+    Matrix block, seen, factor;
     b.read(int(v), block);
     a.apply(int(v), weights, seen);
-    products[v] = viewProducts(seen, block);
+    if (b.factor) b.factor(int(v), factor);
+    products[v] = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
   });
   return products;
 }
@@ -105,7 +140,9 @@ class GridNormal {
     MatrixXd at_samples = sample(table);
     for (size_t v = 0; v < products_.size(); ++v) {
       auto rows = at_samples.middleRows(Index(v) * light_.rows(), light_.rows());
-      rows = (rows * products_[v].gram).eval();
+      const std::vector<MatrixXd>& grams = products_[v].grams;
+      if (grams.empty()) rows = (rows * products_[v].gram).eval();
+      for (size_t l = 0; l < grams.size(); ++l) rows.row(Index(l)) = (rows.row(Index(l)) * grams[l]).eval();
     }
     MatrixXd out = sampleTransposed(at_samples);
     for (Index k = 0; k < table.cols(); ++k) {

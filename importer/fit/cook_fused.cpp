@@ -10,6 +10,7 @@
 #include "importer/fit/fused_plan.h"
 #include "importer/fit/goal.h"
 #include "importer/fit/grid_table.h"
+#include "importer/fit/light_factor.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
@@ -46,13 +47,28 @@ struct FusedInput {
   int threads;
 };
 
+// One channel under a light factor: what V times the band's own value has to come to.
+ColumnBlocks factoredBlocks(const FusedInput& in, int channel, const Factors& light, const Indirection& a) {
+  ColumnBlocks b = channelBlocks(in.btf, channel);
+  b.factor = [&light, &a](int v, Matrix& into) { readLightFactor(light, a, v, into); };
+  b.read = [&in, channel, factor = b.factor](int v, Matrix& into) {
+    Matrix lit;
+    factor(v, lit);
+    in.btf.read(channel, v, into);
+    for (int l = 0; l < into.cols; ++l)
+      for (int t = 0; t < into.rows; ++t) into(t, l) -= lit(t, l) * in.mean(v * in.btf.lights() + l, channel);
+  };
+  return b;
+}
+
 // Cb and Cr of the fine band beyond a ratio to the luma that results.
 void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan, const DirectionGrid& grid, const ColumnBlocks& luma,
-                   FlatFitOptions fit, BandFactors& factors) {
+                   const ColumnBlocks& like, FlatFitOptions fit, BandFactors& factors) {
   fit.components = plan.chroma_components;
   fit.sweeps = kChromaSweeps;
   for (const int channel : {1, 2}) {
-    const ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
+    ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
+    rest.factor = like.factor;
     Factors& f = channel == 1 ? factors.cb : factors.cr;
     f.weights = quantisedWeights(fitFlat(rest, a, fit).factors.weights, plan.storage);
     f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(), in.source.views(), in.threads)
@@ -61,19 +77,27 @@ void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& 
 }
 
 // The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored, then
-// chroma as a ratio to the Y that results, and what that leaves where components are given for it.
+// chroma as a ratio to the Y that results, and what that leaves where components are given for it; all of it under a
+// light factor if the plan has one, which the geometry image gives.
 Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
   const DirectionGrid grid = gridFor(lights, 6, plan.phis);
-  const ColumnBlocks luma = centredBlocks(in.btf, 0, in.mean);
+  BandFactors factors;
+  factors.side = flatSide(plan, in.btf.side());
+  const DirectionGrid light_grid = lightFactorGrid(lights);
+  Factors light;  // at the samples
+  if (plan.light_components > 0) {
+    factors.light = fitLightFactor(lightVisibility(in.material.geometry, factors.side, light_grid, in.threads), plan.light_components, plan.storage, in.threads);
+    light = lightFactorAt(factors.light, light_grid, lights);
+  }
+  const bool factored = plan.light_components > 0;
+  const ColumnBlocks luma = factored ? factoredBlocks(in, 0, light, a) : centredBlocks(in.btf, 0, in.mean);
   FlatFitOptions fit;
   fit.components = plan.y_components;
   fit.sweeps = plan.sweeps;
   fit.owners = chartOwners(flatSide(plan, in.btf.side()), in.material.geometry);
   fit.threads = in.threads;
   const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, plan.storage);
-  BandFactors factors;
-  factors.side = flatSide(plan, in.btf.side());
   factors.on_grid = plan.phis < kFullPhis;
   Factors at_samples{weights, {}};
   if (factors.on_grid) {
@@ -84,11 +108,11 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
     at_samples.basis = solveBasis(luma, a, weights, in.threads);
     factors.y = at_samples;
   }
-  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a);
+  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a, factored ? &light : nullptr);
   factors.ratio = {fitRatios(in.btf, whole, in.material.mean, a, in.threads)};
-  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, fit, factors);
+  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, luma, fit, factors);
   const int mips = flatMips(plan, factors.side);
-  Band band = packBand(factors, lights, views, {TableLayout::kGrid, plan.storage, grid, mips, 0, fit.owners});
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, plan.storage, grid, mips, 0, light_grid, fit.owners});
   band.domain = Domain::kFlat;
   band.lambda_first = kFlatFirst;
   if (hasCoarseBand(plan, in.btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
@@ -129,7 +153,7 @@ Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
 int flatSide(const FusedPlan& plan, int side) { return std::max(1, static_cast<int>(std::lround(side * plan.flat_scale))); }
 
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
-                  int threads) {
+                  int threads, int lab_every) {
   Material m;
   m.mode = Mode::kFused;
   m.name = source.name();
@@ -154,7 +178,7 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   const Band& last = m.bands.back();
   m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
   splitLeadingParts(m);
-  const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads);
+  const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads, lab_every);
   return {std::move(m), error, std::move(atlas.trials)};
 }
 
@@ -168,7 +192,10 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   const int flat_side = flatSide(plan, side);
   const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2, coarse_quads = (plan.coarse_y + 3) / 4;
   uint64_t bytes = textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
-  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1) + tables(plan.storage, fine_quads, plan.phis);
+  const int light_quads = (plan.light_components + 3) / 4;
+  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1 + light_quads) + tables(plan.storage, fine_quads, plan.phis);
+  const DirectionGrid light_grid = lightFactorGrid({});
+  if (light_quads > 0) bytes += textureBytes(TexelFormat::kRGBA16Snorm, uint64_t(light_grid.phis), uint64_t(light_grid.thetas), uint64_t(light_quads), 1);
   if (hasCoarseBand(plan, side))
     bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) + tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
   return bytes;
@@ -177,11 +204,15 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
 namespace {
 
 constexpr int kTrialSweeps = 2;  // enough to rank candidates
+// Of a light factor and of the shading under it, which is smooth: as many bytes as 20 components alone.
+constexpr int kSplitComponents = 8, kLightComponents = 12;
 
 FusedPlan presetPlan(const CookOptions& options) {
   FusedPlan plan;
   if (options.preset == Preset::kReference) plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
+  if (options.shadows == Shadows::kSplit) plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
   if (options.y_components) plan.y_components = options.y_components;
+  if (options.light_components) plan.light_components = options.light_components;
   plan.chroma_components = options.cb_components;
   plan.levels = options.levels;
   return plan;
@@ -199,7 +230,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
-    const Goal goal{options.max_bytes, options.target_rmse, options.levels};
+    const Goal goal{options.max_bytes, options.target_rmse, options.levels, plan.light_components};
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
     std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image
     const auto trial = [&](FusedPlan candidate) -> Result<double> {

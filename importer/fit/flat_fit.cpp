@@ -21,6 +21,27 @@ struct Pass {
   double error = 0, squares = 0;
 };
 
+// Of data with a factor the D step looks at every n-th light alone where there are texels enough, another one in each
+// view: columns of `all` that it takes.
+constexpr int kManyTexels = 1 << 14;
+MatrixXd someColumns(const MatrixXd& all, int view, int texels) {
+  const int step = texels > kManyTexels ? 3 : 1, first = view % step;
+  MatrixXd some((all.rows()), (all.cols() - first + step - 1) / step);
+  for (Index c = 0; c < some.cols(); ++c) some.col(c) = all.col(first + c * step);
+  return some;
+}
+
+// Factor, data and table of one view as the D step takes them.
+struct FactoredView {
+  MatrixXd factor;  // texels x some lights
+  MatrixXd basis;   // some lights x k
+};
+FactoredView factoredView(const ColumnBlocks& b, const Eigen::Ref<const MatrixXd>& basis, int view) {
+  Matrix factor;
+  b.factor(view, factor);
+  return {someColumns(eigen(factor), view, b.rows), someColumns(basis.transpose(), view, b.rows).transpose()};
+}
+
 Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads) {
   const int k = weights.cols;
   Pass pass;
@@ -28,16 +49,23 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
   std::vector<Matrix> right(kReductionBlocks, Matrix(a.flat_texels, k));
   std::vector<double> error(size_t(b.blocks)), squares(size_t(b.blocks));
   parallelFor(kReductionBlocks, threads, [&](int group) {
-    Matrix block, seen, product(a.texels, k);
+    Matrix block, seen, factor, product(a.texels, k);
     for (int v = blockBegin(b.blocks, group); v < blockBegin(b.blocks, group + 1); ++v) {
       b.read(v, block);
       a.apply(v, weights, seen);
-      const ViewProducts p = viewProducts(seen, block);
+      if (b.factor) b.factor(v, factor);
+      const ViewProducts p = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
       const MatrixXd e = solveView(p);
-      error[size_t(v)] = p.squares - 2 * e.cwiseProduct(p.cross).sum() + (p.gram * e).cwiseProduct(e).sum();
       squares[size_t(v)] = p.squares;
       pass.basis.middleRows(Index(v) * b.block_cols, b.block_cols) = e.transpose();
-      eigen(product).noalias() = eigen(block) * e.transpose();
+      if (b.factor) {
+        error[size_t(v)] = (eigen(block) - eigen(factor).cwiseProduct(eigen(seen) * e)).squaredNorm();
+        eigen(block) = eigen(block).cwiseProduct(eigen(factor));
+        eigen(product).noalias() = someColumns(eigen(block), v, b.rows) * someColumns(e, v, b.rows).transpose();
+      } else {
+        error[size_t(v)] = p.squares - 2 * e.cwiseProduct(p.cross).sum() + (p.gram * e).cwiseProduct(e).sum();
+        eigen(product).noalias() = eigen(block) * e.transpose();
+      }
       a.addTransposed(v, product, right[size_t(group)]);
     }
   });
@@ -53,20 +81,29 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
 // sum_v A_v^T A_v D (E_v^T E_v) + smoothness * Laplacian(D): the normal operator of the D step.
 class NormalOperator {
  public:
-  NormalOperator(const Indirection& a, const MatrixXd& basis, const FlatFitOptions& options)
-      : a_(a), owners_(options.owners), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(options.threads) {
+  NormalOperator(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis, const FlatFitOptions& options)
+      : b_(b), a_(a), basis_(basis), owners_(options.owners), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(options.threads) {
     const Index lights = basis.rows() / a.views;
     for (int v = 0; v < a.views; ++v) {
       const auto e = basis.middleRows(v * lights, lights);
       grams_.push_back(e.transpose() * e);
     }
     diagonal_ = MatrixXd::Zero(a.flat_texels, basis.cols());
-    for (int v = 0; v < a.views; ++v)
+    MatrixXd squares;  // of each texel's rows of E, with a factor
+    for (int v = 0; v < a.views; ++v) {
+      if (b.factor) {
+        const FactoredView f = factoredView(b, basis.middleRows(v * lights, lights), v);
+        squares = f.factor.cwiseAbs2() * f.basis.cwiseAbs2();
+      }
       for (int x = 0; x < a.texels; ++x) {
         const Indirection::Taps& t = a.taps[size_t(v) * size_t(a.texels) + size_t(x)];
-        for (int i = 0; i < 4; ++i)
-          diagonal_.row(t.index[i]) += double(t.weight[i] * t.weight[i]) * grams_[size_t(v)].diagonal().transpose();
+        for (int i = 0; i < 4; ++i) {
+          const double share = double(t.weight[i] * t.weight[i]);
+          if (b.factor) diagonal_.row(t.index[i]) += share * squares.row(x);
+          else diagonal_.row(t.index[i]) += share * grams_[size_t(v)].diagonal().transpose();
+        }
       }
+    }
     smoothness_ = options.smoothness * diagonal_.mean();
     diagonal_.array() += 4 * smoothness_ + 1e-12 * diagonal_.maxCoeff() + 1e-300;
   }
@@ -77,7 +114,13 @@ class NormalOperator {
       Matrix seen, product(a_.texels, d.cols);
       for (int v = blockBegin(a_.views, group); v < blockBegin(a_.views, group + 1); ++v) {
         a_.apply(v, d, seen);
-        eigen(product).noalias() = eigen(seen) * grams_[size_t(v)];
+        if (b_.factor) {
+          const Index lights = basis_.rows() / a_.views;
+          const FactoredView f = factoredView(b_, basis_.middleRows(v * lights, lights), v);
+          eigen(product).noalias() = (eigen(seen) * f.basis.transpose()).cwiseProduct(f.factor.cwiseAbs2()) * f.basis;
+        } else {
+          eigen(product).noalias() = eigen(seen) * grams_[size_t(v)];
+        }
         a_.addTransposed(v, product, partial[size_t(group)]);
       }
     });
@@ -105,7 +148,9 @@ class NormalOperator {
     return owners_.empty() || owners_[size_t(at)] == owners_[size_t(next)] ? d(next, k) : d(at, k);
   }
 
+  const ColumnBlocks& b_;
   const Indirection& a_;
+  const MatrixXd& basis_;
   const std::vector<uint16_t>& owners_;
   int side_, threads_;
   double smoothness_ = 0;
@@ -162,7 +207,7 @@ FlatFit fitFlat(const ColumnBlocks& b, const Indirection& a, const FlatFitOption
   Matrix weights = startWeights(b, a, options.components, options.threads);
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     const Pass pass = alternate(b, a, weights, options.threads);
-    const NormalOperator normal(a, pass.basis, options);
+    const NormalOperator normal(b, a, pass.basis, options);
     solveWeights(normal, pass.right, options.cg_steps, weights);
     weights = rotated(weights, pass.basis).weights;  // keeps E near orthonormal, which conditions the next D step
   }

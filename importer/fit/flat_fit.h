@@ -1,5 +1,5 @@
 // The joint fit of a flat-domain band: factors D, E that minimise the error after the indirection,
-// sum over views of |A_v D E_v^T - B_v|^2.
+// sum over views of |A_v D E_v^T - B_v|^2, or of |F_v * (A_v D E_v^T) - B_v|^2, element by element, where b has a factor F.
 #pragma once
 
 #include "importer/fit/indirection.h"

@@ -15,6 +15,7 @@ namespace loden::importer {
 struct FusedPlan {
   int y_components = 20;      // of the flat-domain band
   int chroma_components = 0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
+  int light_components = 0;   // of its light factor (fit/light_factor.h); 0: none, shadows are in the other components
   Storage storage = Storage::kSnorm8;  // of the flat-domain band
   double flat_scale = 1;      // flat texels per reference texel, along one side; 1/2, 1, 2
   int phis = 11;              // columns of its direction grid, the repeated one counted
@@ -35,9 +36,9 @@ struct FusedFit {
   std::vector<AtlasTrial> atlases;  // that were measured, if the plan names none
 };
 
-// `geometry` is already at plan.geometry_side. Deterministic at any number of threads.
+// `geometry` is already at plan.geometry_side. Deterministic at any number of threads. lab_every: as in measureError.
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
-                  int threads);
+                  int threads, int lab_every = 0);
 
 // Raw bytes that the file of a plan holds at most, without fitting it; exact for coarse_phis as chosen.
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);

@@ -32,9 +32,11 @@ std::vector<FusedPlan> structures(int geometry_side) {
   return all;
 }
 
-// The coarse band keeps step: as many components, and a grid finer by the same margin as in the default.
+// The coarse band keeps step: as many components, which have to hold the shadows too there, and a grid finer by the same
+// margin as in the default.
 FusedPlan withComponents(FusedPlan plan, int y) {
-  plan.y_components = plan.coarse_y = y;
+  plan.y_components = y;
+  plan.coarse_y = y + plan.light_components;
   plan.coarse_phis = plan.phis + FusedPlan{}.coarse_phis - FusedPlan{}.phis;
   return plan;
 }
@@ -63,7 +65,7 @@ class Search {
  private:
   std::vector<FusedPlan> plans() const {
     std::vector<FusedPlan> all = structures(geometry_side_);
-    for (FusedPlan& plan : all) plan.levels = goal_.levels;
+    for (FusedPlan& plan : all) plan.levels = goal_.levels, plan.light_components = goal_.light_components;
     return all;
   }
   FusedPlan smallest() const { return withComponents(plans().front(), 4); }

@@ -19,6 +19,7 @@ struct Goal {
   uint64_t max_bytes = 0;  // 0: none
   double target_rmse = 0;  // of Y; 0: none
   int levels = 0;          // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level is read, so it cannot choose them
+  int light_components = 0;  // FusedPlan::light_components of every plan
 };
 
 struct Choice {

@@ -4,6 +4,7 @@
 
 #include "importer/fit/band_pack.h"
 #include "importer/fit/eigen.h"
+#include "importer/fit/light_factor.h"
 #include "importer/fit/reduction.h"
 #include "importer/fit/phong.h"
 #include "material/color.h"
@@ -38,8 +39,11 @@ Matrix weightsFor(const DecodedBand& band, const Matrix& weights, const Indirect
 
 // texels x lights of one view, channel by channel.
 void addBand(const DecodedBand& band, const Indirection& a, int view, int side, int lights, const Matrix& mean,
-             MatrixXd (&value)[3]) {
+             MatrixXd (&total)[3]) {
   const Factors* factors[3] = {&band.factors.y, &band.factors.cb, &band.factors.cr};
+  const auto mean_of_view = eigen(mean).middleRows(Eigen::Index(view) * lights, lights);
+  MatrixXd value[3];
+  for (MatrixXd& v : value) v = MatrixXd::Zero(side * side, lights);
   MatrixXd luma = MatrixXd::Zero(side * side, lights);
   for (int channel = 0; channel < 3; ++channel) {
     const Factors& f = *factors[channel];
@@ -50,17 +54,27 @@ void addBand(const DecodedBand& band, const Indirection& a, int view, int side, 
     value[channel] += part;
     if (channel == 0) luma = part;
   }
-  if (band.factors.ratio.empty()) return;
-  Matrix ratio(static_cast<int>(band.factors.ratio[0].size()), 2);
-  for (int t = 0; t < ratio.rows; ++t)
-    for (int c = 0; c < 2; ++c) ratio(t, c) = band.factors.ratio[0][size_t(t)][c];
-  const Matrix seen = weightsFor(band, ratio, a, view, side);
-  const auto mean_of_view = eigen(mean).middleRows(Eigen::Index(view) * lights, lights);
-  for (int c = 0; c < 2; ++c) {
+  if (!band.factors.ratio.empty()) {
+    Matrix ratio(static_cast<int>(band.factors.ratio[0].size()), 2);
+    for (int t = 0; t < ratio.rows; ++t)
+      for (int c = 0; c < 2; ++c) ratio(t, c) = band.factors.ratio[0][size_t(t)][c];
+    const Matrix seen = weightsFor(band, ratio, a, view, side);
     const MatrixXd whole = luma.rowwise() + mean_of_view.col(0).transpose();
-    value[c + 1] += eigenCols(seen, c, 1).asDiagonal() * whole;
-    value[c + 1].rowwise() -= mean_of_view.col(c + 1).transpose();
+    for (int c = 0; c < 2; ++c) {
+      value[c + 1] += eigenCols(seen, c, 1).asDiagonal() * whole;
+      value[c + 1].rowwise() -= mean_of_view.col(c + 1).transpose();
+    }
   }
+  if (band.factors.light.components() > 0) {
+    Matrix factor;
+    readLightFactor(band.factors.light, a, view, factor);
+    for (int c = 0; c < 3; ++c) {
+      value[c].rowwise() += mean_of_view.col(c).transpose();
+      value[c] = value[c].cwiseProduct(eigen(factor));
+      value[c].rowwise() -= mean_of_view.col(c).transpose();
+    }
+  }
+  for (int c = 0; c < 3; ++c) total[c] += value[c];
 }
 
 // As the evaluator gives them: no colour below zero.
@@ -94,16 +108,38 @@ ViewError errorOfView(const YccBtf& btf, int view, const MatrixXd (&value)[3]) {
 
 }  // namespace
 
+void LabSums::merge(const LabSums& other) {
+  lab += other.lab, black_lab += other.black_lab;
+  count += other.count, black_count += other.black_count;
+}
+
+LabSums labOfView(const YccBtf& btf, int view, const Matrix (&value)[3], int every) {
+  Matrix truth[3];
+  for (int c = 0; c < 3; ++c) btf.read(c, view, truth[c]);
+  LabSums sums;
+  for (int l = view % every; l < btf.lights(); l += every)
+    for (int t = 0; t < btf.texels(); ++t) {
+      const glm::dvec3 rgb = rgbFromYcc(glm::dvec3(truth[0](t, l), truth[1](t, l), truth[2](t, l)));
+      const glm::dvec3 given = glm::max(rgbFromYcc(glm::dvec3(value[0](t, l), value[1](t, l), value[2](t, l))), glm::dvec3(0));
+      const double distance = glm::distance(labFromRgb(rgb), labFromRgb(given));
+      const bool black = truth[0](t, l) == 0;
+      sums.lab += distance, ++sums.count;
+      if (black) sums.black_lab += distance, ++sums.black_count;
+    }
+  return sums;
+}
+
 double FitError::rmse() const { return std::sqrt(mse); }
 
 BtfError measureError(const Material& material, const YccBtf& btf, const DirectionSet& lights,
-                      const DirectionSet& views, const Indirection& a, int threads) {
+                      const DirectionSet& views, const Indirection& a, int threads, int lab_every) {
   std::vector<DecodedBand> bands;
   for (const Band& band : material.bands)
     if (windowWeight(band.window, 0.0f) > 0)
       bands.push_back({unpackBand(band, tableGrid(band, material.theta_max), lights, views), band.domain == Domain::kFlat});
   const Matrix mean = sampleMean(material.mean, lights, views);
   std::vector<ViewError> errors(size_t(btf.views()));
+  std::vector<LabSums> labs(size_t(btf.views()));
   parallelFor(btf.views(), threads, [&](int v) {
     MatrixXd value[3];
     for (int c = 0; c < 3; ++c)
@@ -112,8 +148,10 @@ BtfError measureError(const Material& material, const YccBtf& btf, const Directi
     for (const DecodedBand& band : bands) addBand(band, a, v, btf.side(), btf.lights(), mean, value);
     clampAtZero(value);
     errors[size_t(v)] = errorOfView(btf, v, value);
+    if (lab_every > 0) labs[size_t(v)] = labOfView(btf, v, {matrixFrom(value[0]), matrixFrom(value[1]), matrixFrom(value[2])}, lab_every);
   });
   BtfError total;
+  for (const LabSums& of_view : labs) total.lab.merge(of_view);
   const double values = double(btf.texels()) * btf.lights() * btf.views();
   for (int c = 0; c < 3; ++c) {
     total.min_image_mse[c] = INFINITY;

@@ -93,6 +93,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
                                  {"preset", preset},
                                  {"input", inputName(input)},
                                  {"components", componentsText(material)},
+                                 {"light_components", material.bands.empty() ? 0 : 4 * material.bands.front().light_quads},
                                  {"coefficient_bytes", bandBytes(material)},
                                  {"raw_bytes", rawFileBytes(material)},
                                  {"gpu_bytes", residentBytes(material)}};

@@ -2,6 +2,7 @@
 
 #include "importer/fit/band_fit.h"
 #include "importer/fit/eigen.h"
+#include "importer/fit/light_factor.h"
 #include "importer/fit/reduction.h"
 
 namespace loden::importer {
@@ -70,15 +71,18 @@ std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chrom
   return r.data;
 }
 
-ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a) {
-  return {btf.texels(), btf.views(), btf.lights(), [&](int v, Matrix& into) {
-            Matrix seen;
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a, const Factors* light) {
+  return {btf.texels(), btf.views(), btf.lights(), [&btf, &luma, &mean, &a, light](int v, Matrix& into) {
+            Matrix seen, factor;
             a.apply(v, luma.weights, seen);
             const Eigen::Index first = Eigen::Index(v) * btf.lights();
             if (into.rows != btf.texels() || into.cols != btf.lights()) into = Matrix(btf.texels(), btf.lights());
             eigen(into).noalias() = eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
             eigen(into).rowwise() += eigen(mean).col(0).segment(first, btf.lights()).transpose();
             eigen(into) = eigen(into).cwiseMax(0.0);
+            if (!light) return;
+            readLightFactor(*light, a, v, factor);
+            eigen(into) = eigen(into).cwiseProduct(eigen(factor));
           }};
 }
 

@@ -16,7 +16,8 @@ std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chrom
                              int threads);
 
 // The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` as sampleMean gives it. All must outlive it.
-ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a);
+// With a light factor (lights x k at the samples) the product.
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a, const Factors* light = nullptr);
 
 // (Cb/Y, Cr/Y) per flat texel for the luma that the asset gives.
 std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong, const Indirection& a, int threads);

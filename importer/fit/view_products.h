@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "importer/fit/matrix.h"
 
@@ -13,8 +14,11 @@ struct ViewProducts {
   Eigen::MatrixXd gram;   // M^T M, M = A_v D: k x k
   Eigen::MatrixXd cross;  // M^T B_v: k x lights
   double squares = 0;     // |B_v|^2
+  // With a factor F of the data's shape: of each light's own M_l = diag(F_l) M; `gram` is their mean then.
+  std::vector<Eigen::MatrixXd> grams;
 };
 ViewProducts viewProducts(const Matrix& seen, const Matrix& block);
+ViewProducts viewProducts(const Matrix& seen, const Matrix& block, const Matrix& factor);
 
 // E_v^T, k x lights.
 Eigen::MatrixXd solveView(const ViewProducts& p);

@@ -86,5 +86,6 @@ Result<StudyRows> studyAbrdfSize(const StudyOptions& options);
 Result<StudyRows> studyLodFit(const StudyOptions& options);
 Result<StudyRows> studyMinification(const StudyOptions& options);
 Result<StudyRows> studyShadowSplit(const StudyOptions& options);
+Result<StudyRows> studyLabBounds(const StudyOptions& options);
 
 }  // namespace loden::importer

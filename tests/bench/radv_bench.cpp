@@ -204,7 +204,8 @@ int main() {
                                       {Kind::kBands, 5, Lookup::kNone, true, false},
                                       {Kind::kBands, 2, Lookup::kNone, false, false},
                                       {Kind::kBands, 2, Lookup::kFast, false, false},
-                                      {Kind::kBands, 2, Lookup::kDefault, false, false}};
+                                      {Kind::kBands, 2, Lookup::kDefault, false, false},
+                                      {Kind::kBands, 2, Lookup::kDefault, false, false, true}};
   for (const MaterialVariant& variant : variants) {
     std::vector<std::string> defines = variantDefines(variant);
     report(gpu, variantName(variant), kEvaluate, defines);

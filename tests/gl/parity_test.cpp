@@ -236,8 +236,9 @@ Bake bakeSmall(const std::string& name) {
   return {std::move(*baked), folder};
 }
 
-Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset) {
+Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset, importer::Shadows shadows) {
   importer::CookOptions options;
+  options.shadows = shadows;
   options.mode = mode;
   options.preset = preset;
   options.quiet = true;
@@ -258,7 +259,9 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
     Preset preset;
     Way way;
     bool cosine_included = true;
+    importer::Shadows shadows = importer::Shadows::kJoint;
   };
+  using importer::Shadows;
   for (const Case& c : {Case{"surface", Mode::kSurface, Preset::kGame, {}},
                         Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, {Lookup::kFast}},
                         Case{"surface, faded", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}},
@@ -271,9 +274,11 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
                         Case{"surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
                         Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
                         Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
+                        Case{"fused, shadows apart", Mode::kFused, Preset::kGame, {}, true, Shadows::kSplit},
+                        Case{"fused, shadows apart, environment", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFull, true}, true, Shadows::kSplit},
                         Case{"fused, faded", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}}}) {
     SCOPED_TRACE(c.name);
-    Material material = cooked(baked.output, c.mode, c.preset);
+    Material material = cooked(baked.output, c.mode, c.preset, c.shadows);
     material.cosine_included = c.cosine_included;
     expectParity(material, c.way);
   }

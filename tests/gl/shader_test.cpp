@@ -153,6 +153,7 @@ TEST_F(SharedLayout, IsWhatTheDriverSays) {
                             {"bands[1].mip", band1 + offsetof(LodenBandData, mip)},
                             {"bands[1].grid", band1 + offsetof(LodenBandData, grid)},
                             {"bands[1].layout_", band1 + offsetof(LodenBandData, layout_)},
+                            {"bands[1].light", band1 + offsetof(LodenBandData, light)},
                             {"bands[1].quad_scale[0]", band1 + offsetof(LodenBandData, quad_scale)},
                             {"bands[1].ratio_scale", band1 + offsetof(LodenBandData, ratio_scale)}};
   int asked = 0;

@@ -74,7 +74,7 @@ std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& 
     Matrix block, seen, factor;
     b.read(int(v), block);
     a.apply(int(v), weights, seen);
-    if (b.factor) b.factor(int(v), factor);
+    if (b.factor) b.factor(int(v), 0, 1, factor);
     products[v] = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
   });
   return products;

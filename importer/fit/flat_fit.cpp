@@ -24,9 +24,10 @@ struct Pass {
 // Of data with a factor the D step looks at every n-th light alone where there are texels enough, another one in each
 // view: columns of `all` that it takes.
 constexpr int kManyTexels = 1 << 14;
-MatrixXd someColumns(const MatrixXd& all, int view, int texels) {
-  const int step = texels > kManyTexels ? 3 : 1, first = view % step;
-  MatrixXd some((all.rows()), (all.cols() - first + step - 1) / step);
+int columnStep(int texels) { return texels > kManyTexels ? 5 : 1; }
+MatrixXd someColumns(const Eigen::Ref<const MatrixXd>& all, int view, int texels) {
+  const int step = columnStep(texels), first = view % step;
+  MatrixXd some(all.rows(), (all.cols() - first + step - 1) / step);
   for (Index c = 0; c < some.cols(); ++c) some.col(c) = all.col(first + c * step);
   return some;
 }
@@ -38,8 +39,9 @@ struct FactoredView {
 };
 FactoredView factoredView(const ColumnBlocks& b, const Eigen::Ref<const MatrixXd>& basis, int view) {
   Matrix factor;
-  b.factor(view, factor);
-  return {someColumns(eigen(factor), view, b.rows), someColumns(basis.transpose(), view, b.rows).transpose()};
+  const int step = columnStep(b.rows);
+  b.factor(view, view % step, step, factor);
+  return {eigen(factor), someColumns(basis.transpose(), view, b.rows).transpose()};
 }
 
 Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads) {
@@ -53,7 +55,7 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
     for (int v = blockBegin(b.blocks, group); v < blockBegin(b.blocks, group + 1); ++v) {
       b.read(v, block);
       a.apply(v, weights, seen);
-      if (b.factor) b.factor(v, factor);
+      if (b.factor) b.factor(v, 0, 1, factor);
       const ViewProducts p = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
       const MatrixXd e = solveView(p);
       squares[size_t(v)] = p.squares;

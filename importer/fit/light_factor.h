@@ -26,7 +26,8 @@ Factors fitLightFactor(const Matrix& visibility, int components, Storage storage
 // The same factors with their basis at the sampled lights, lights x k.
 Factors lightFactorAt(const Factors& factor, const DirectionGrid& grid, const DirectionSet& lights);
 
-// texels x lights of one view: the factor as the evaluator reads it; `factor` as lightFactorAt gives it.
-void readLightFactor(const Factors& factor, const Indirection& a, int view, Matrix& into);
+// One view's factor as the evaluator reads it, texels x every `step`-th light from `first`; `factor` as lightFactorAt
+// gives it.
+void readLightFactor(const Factors& factor, const Indirection& a, int view, Matrix& into, int first = 0, int step = 1);
 
 }  // namespace loden::importer

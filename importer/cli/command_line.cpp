@@ -19,6 +19,7 @@ struct Options::Impl {
 ExitCode exitCodeOf(const Issue& issue) {
   if (issue.id == issue_id::kOption) return kExitUsage;
   if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical || issue.id == issue_id::kGltfRequired) return kExitUnsupported;
+  if (issue.id == issue_id::kImage) return kExitInvalid;  // the file is there, but not the picture that it should be
   if (issue.id < 2000) return kExitIo;
   return issue.id < 7000 ? kExitInvalid : kExitRuntime;
 }
@@ -75,10 +76,11 @@ void Options::bytes(const std::string& names, uint64_t& value, const std::string
   option->type_name("BYTES");
 }
 
-void Options::number(const std::string& names, double& value, const std::string& help) {
+void Options::number(const std::string& names, double& value, const std::string& help, bool infinite) {
   auto* option = impl_.app->add_option(names, value, help)->type_name("X");
-  option->check([](const std::string& text) {
-    return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is not a number" : std::string();
+  option->check([infinite](const std::string& text) {
+    const double number = std::strtod(text.c_str(), nullptr);
+    return std::isfinite(number) || (infinite && !std::isnan(number)) ? std::string() : "'" + text + "' is not a number that can be used";
   });
   if (!std::isnan(value)) option->capture_default_str();
 }

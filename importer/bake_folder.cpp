@@ -28,6 +28,7 @@ constexpr const char* kParts[] = {"btf", "flat", "visible", "vdim", "surface"};
 void removeParts(const fs::path& folder) {
   std::error_code error;
   for (const char* part : kParts) fs::remove_all(folder / part, error);
+  for (const char* layout : {"bonn", "bonn.part"}) fs::remove_all(folder / layout, error);  // made of the parts
 }
 
 // A folder or file of a part's name that is no bake's, and holds something.

@@ -72,6 +72,7 @@ TEST(Cli, BadValues_AreUsage) {
       {"study", "no-such-study"},
       {"study"},
       {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--shard", "0/2"},
+      {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--maps", "flat,vdim"},
       {"compare", sharedBake(), sharedAsset(), "--fail", "nan"},
       {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "-o", out + ".gltf", "--rotation", "inf"},
       {"extract", sharedAsset(), "-o", out + ".exr", "--lambda", "inf"},

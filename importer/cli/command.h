@@ -8,22 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "material/result.h"
+#include "material/exit_code.h"
 
 namespace loden::importer {
-
-// Documented in `loden --help`; never renumbered.
-enum ExitCode {
-  kExitOk = 0,
-  kExitUsage = 1,
-  kExitIo = 2,
-  kExitInvalid = 3,
-  kExitRuntime = 4,
-  kExitUnsupported = 5,
-  kExitDifference = 7,
-  kExitInterrupted = 130,
-};
-ExitCode exitCodeOf(const Issue& issue);
 
 // Options that every verb has.
 struct GlobalOptions {

@@ -8,21 +8,12 @@
 
 #include "importer/cli/command.h"
 #include "importer/cli/interrupt.h"
-#include "material/issues.h"
 
 namespace loden::importer {
 
 struct Options::Impl {
   CLI::App* app = nullptr;
 };
-
-ExitCode exitCodeOf(const Issue& issue) {
-  if (issue.id == issue_id::kOption) return kExitUsage;
-  if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical || issue.id == issue_id::kGltfRequired) return kExitUnsupported;
-  if (issue.id == issue_id::kImage) return kExitInvalid;  // the file is there, but not the picture that it should be
-  if (issue.id < 2000) return kExitIo;
-  return issue.id < 7000 ? kExitInvalid : kExitRuntime;
-}
 
 namespace {
 

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <optional>
 
 #include "importer/baked_files.h"
 #include "material/issues.h"
@@ -123,7 +122,7 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
     if (error)
       return Issue{issue_id::kCannotWrite, Severity::kError, (folder / part).string(), "cannot be created: " + error.message()};
   }
-  if (present != wanted)
+  if (const auto stands = readText(unfinishedPath(folder)); !stands || *stands != wanted)
     if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status) return status.issue();
   BakeFolder result;
   result.folder_ = folder;

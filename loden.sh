@@ -10,11 +10,13 @@ readonly BIN=$BUILD/bin
 readonly TILES=(button isba pulli sponge)
 readonly PACKAGES=(
   build-essential ca-certificates ccache cmake ninja-build pkg-config
-  libbenchmark-dev libceres-dev libcli11-dev libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev
+  libceres-dev libcli11-dev libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev
   libglfw3-dev libglm-dev libgtest-dev libimgui-dev libopenimageio-dev libosd-dev libstb-dev libtbb-dev
   libtinygltf-dev libvulkan-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
   libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers python3 xvfb zstd
 )
+# llvmpipe, if that draws: 8-bit textures at full precision, in every verb alike.
+export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}
 
 usage() {
   cat <<'TEXT'
@@ -185,7 +187,6 @@ verb_demo() {
   build loden loden_walk loden_gallery
   mkdir -p "$LOGS" out/demo/scene
   : >"$LOGS/tools.log"
-  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}  # llvmpipe, if that draws: 8-bit textures at full precision
   local tile baked asset scene=$BUILD/gallery/gallery.gltf packed=out/demo/scene/gallery.gltf
   for tile in "${TILES[@]}"; do
     baked=$(bake_tile "$tile")
@@ -233,7 +234,6 @@ verb_bench() {
 verb_studies() {
   build loden bench_time_error
   mkdir -p "$LOGS" out/studies
-  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}
   local study
   : >"$LOGS/tools.log"
   for study in $("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p'); do
@@ -247,7 +247,6 @@ verb_pictures() {
   build loden loden_walk picture_grid
   mkdir -p "$LOGS" out/pictures
   : >"$LOGS/tools.log"
-  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}
   local tile baked surface lod fused
   {
     echo '| tile | camera | mode | PSNR, dB | mean FLIP |'

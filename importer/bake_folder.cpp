@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 
 #include "importer/baked_files.h"
 #include "material/issues.h"
@@ -25,6 +27,7 @@ constexpr const char* kParts[] = {"btf", "flat", "visible", "vdim", "surface"};
 void removeParts(const fs::path& folder) {
   std::error_code error;
   for (const char* part : kParts) fs::remove_all(folder / part, error);
+  for (const char* layout : {"bonn", "bonn.part"}) fs::remove_all(folder / layout, error);  // made of the parts
 }
 
 // A folder or file of a part's name that is no bake's, and holds something.
@@ -38,8 +41,7 @@ std::string foreignPart(const fs::path& folder) {
 
 std::string processSuffix() { return ".tmp" + std::to_string(getpid()); }
 
-// The manifest text in the folder, of a finished or unfinished bake; empty if there is none. Another shard may
-// finish the bake meanwhile: bake.json appears before the other file goes.
+// The manifest text in the folder, of a finished or unfinished bake; empty if there is none.
 std::string presentManifest(const fs::path& folder) {
   bool unreadable = false;
   for (const fs::path& path : {unfinishedPath(folder), finishedPath(folder)}) {
@@ -51,21 +53,42 @@ std::string presentManifest(const fs::path& folder) {
   return unreadable ? "unreadable" : "";
 }
 
-// Held by one process at a time; ends with the process.
-class FileLock {
+// What a shard does to the folder's manifests, and the last pass, happens under this: one process at a time. The file is
+// removed at the end, so that a folder filled by shards has the same files as any other. Network file systems lock only
+// what is open for writing.
+class ShardLock {
  public:
-  explicit FileLock(const fs::path& path) : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    while (file_ >= 0 && flock(file_, LOCK_EX) != 0 && errno == EINTR) {}
+  Status acquire(const fs::path& folder) {
+    path_ = folder / "bake.lock";
+    do {
+      release();
+      file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+      if (file_ < 0) return Issue{issue_id::kCannotWrite, Severity::kError, path_.string(), std::strerror(errno)};
+      while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {}
+    } while (!isCurrent());
+    return {};
   }
-  ~FileLock() {
-    if (file_ >= 0) close(file_);
+  ~ShardLock() {
+    if (file_ >= 0) unlink(path_.c_str());  // before it is released: who waits for it sees that, and takes the next
+    release();
   }
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
-  bool held() const { return file_ >= 0; }
+  ShardLock() = default;
+  ShardLock(const ShardLock&) = delete;
+  ShardLock& operator=(const ShardLock&) = delete;
 
  private:
-  int file_;
+  // The file that is locked still stands at the path.
+  bool isCurrent() const {
+    struct stat mine, there;
+    return fstat(file_, &mine) == 0 && stat(path_.c_str(), &there) == 0 && mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
+  }
+  void release() {
+    if (file_ >= 0) close(file_);
+    file_ = -1;
+  }
+
+  fs::path path_;
+  int file_ = -1;
 };
 
 template <class T>
@@ -77,29 +100,34 @@ void feed(XXH3_state_t* state, const T& value) {
 
 Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifest& manifest, bool resume, bool shared) {
   const std::string wanted = manifestText(manifest);
-  std::string present = presentManifest(folder);
-  // Another shard may have begun since.
-  if (present.empty() && shared && !foreignPart(folder).empty()) present = presentManifest(folder);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return Issue{issue_id::kCannotWrite, Severity::kError, folder.string(), "cannot be created: " + error.message()};
+  ShardLock lock;
+  if (shared)
+    if (const Status status = lock.acquire(folder); !status) return status.issue();
+  const std::string present = presentManifest(folder);
   if (!present.empty() && present != wanted && (resume || shared))
     return Issue{issue_id::kExists, Severity::kError, folder.string(),
                  "holds a bake of another tile, with other options or by another version; choose an empty folder, or bake without --resume and --shard"};
-  std::error_code error;
-  const bool fresh = present != wanted;
   if (const std::string part = present.empty() ? foreignPart(folder) : std::string(); !part.empty())
     return Issue{issue_id::kExists, Severity::kError, (folder / part).string(),
                  "is not of a bake (no bake.json beside it) and would be overwritten; choose an empty folder"};
-  // Renamed, not removed: a folder with parts is known as a bake's at any time.
-  if (!shared || fresh) fs::rename(finishedPath(folder), unfinishedPath(folder), error);
-  if (fresh && !present.empty()) removeParts(folder);
+  // Renamed, not removed: a folder with parts is known as a bake's at any time. And by every shard that begins: what it
+  // writes anew lacks the last pass.
+  fs::rename(finishedPath(folder), unfinishedPath(folder), error);
+  if (present != wanted && !present.empty()) removeParts(folder);
   for (const char* part : kParts) {
     fs::create_directories(folder / part, error);
     if (error)
       return Issue{issue_id::kCannotWrite, Severity::kError, (folder / part).string(), "cannot be created: " + error.message()};
   }
-  if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status) return status.issue();
+  if (const auto stands = readText(unfinishedPath(folder)); !stands || *stands != wanted)
+    if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status) return status.issue();
   BakeFolder result;
   result.folder_ = folder;
   result.manifest_ = manifest;
+  result.shared_ = shared;
   return result;
 }
 
@@ -121,8 +149,9 @@ bool BakeFolder::complete() const {
 }
 
 Status BakeFolder::finish(const std::function<Status()>& last) const {
-  const FileLock lock(unfinishedPath(folder_));
-  if (!lock.held()) return {};  // the file has gone: another shard has finished the bake
+  ShardLock lock;
+  if (shared_)
+    if (Status status = lock.acquire(folder_); !status) return status;
   if (Status status = last(); !status) return status;
   if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_), processSuffix()); !status) return status;
   std::error_code error;

@@ -20,7 +20,7 @@ class BakeFolder {
   // All files that the manifest's maps ask for exist.
   bool complete() const;
   // Runs `last`, writes bake.json, and takes the mark of the unfinished bake away. Shards that find the bake
-  // complete at the same time do this one after the other; `last` must give the same when it runs again.
+  // complete do this one after the other; `last` must give the same when it runs again.
   Status finish(const std::function<Status()>& last) const;
   // Removes all that the bake has written.
   void discard() const;
@@ -28,6 +28,7 @@ class BakeFolder {
  private:
   std::filesystem::path folder_;
   BakeManifest manifest_;
+  bool shared_ = false;
 };
 
 // XXH3-128 of everything that the bake reads from the tile, hex.

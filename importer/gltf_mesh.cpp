@@ -8,6 +8,7 @@
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <utility>
 
 #include "importer/baked_files.h"
 #include "importer/gltf/gltf_document.h"
@@ -98,6 +99,7 @@ class GltfMeshReader {
   const tinygltf::Model& model_;
   const std::string name_;
   PolygonMesh mesh_;
+  std::vector<bool> visited_;  // [node]
   bool without_uvs_ = false;
 };
 
@@ -116,6 +118,7 @@ Result<PolygonMesh> GltfMeshReader::read() {
   if (model_.scenes.empty()) return refuse(issue_id::kGltfNode, "scenes", "there is no scene");
   const size_t scene = model_.defaultScene >= 0 ? size_t(model_.defaultScene) : 0;
   if (scene >= model_.scenes.size()) return refuse(issue_id::kGltfNode, "scene", "the default scene does not exist");
+  visited_.assign(model_.nodes.size(), false);
   for (const int node : model_.scenes[scene].nodes)
     if (const Status status = addNode(node, glm::dmat4(1), 0); !status) return status.issue();
   if (without_uvs_) mesh_.uvs.clear();
@@ -125,7 +128,10 @@ Result<PolygonMesh> GltfMeshReader::read() {
 Status GltfMeshReader::addNode(int index, const glm::dmat4& parent, int depth) {
   const std::string where = "node " + std::to_string(index);
   if (index < 0 || size_t(index) >= model_.nodes.size()) return refuse(issue_id::kGltfNode, where, "does not exist");
-  if (depth > kMaxNodeDepth) return refuse(issue_id::kGltfNode, where, "nodes form a loop or nest too deeply");
+  // glTF's nodes form trees: whoever is met twice is a loop, or one of the doublings that make few bytes endless.
+  if (visited_[size_t(index)]) return refuse(issue_id::kGltfNode, where, "is met twice: nodes have one parent at most");
+  if (depth > kMaxNodeDepth) return refuse(issue_id::kGltfNode, where, "nests too deeply");
+  visited_[size_t(index)] = true;
   const tinygltf::Node& node = model_.nodes[size_t(index)];
   const glm::dmat4 world = parent * localMatrix(node);
   if (node.mesh >= 0) {
@@ -202,7 +208,10 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
     without_uvs_ = true;
   }
   mesh_.uvs.resize(first + vertices, glm::dvec2(0));
+  const size_t first_corner = mesh_.corners.size();
   if (Status s = addIndices(primitive.indices, first, vertices, where); !s) return s;
+  if (glm::determinant(glm::dmat3(world)) < 0)  // a mirror: glTF turns the triangles with it
+    for (size_t k = first_corner; k < mesh_.corners.size(); k += 3) std::swap(mesh_.corners[k + 1], mesh_.corners[k + 2]);
   return addBrdfs(primitive, vertices, where);
 }
 

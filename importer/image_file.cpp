@@ -49,8 +49,10 @@ Status writeImage(const fs::path& path, int width, int height, int channels, Pix
 }
 
 Result<Image> readImage(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file"};
   const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "cannot be opened: " + OIIO::geterror()};
+  if (!input) return Issue{issue_id::kImage, Severity::kError, path.string(), "is no image that can be read: " + OIIO::geterror()};
   const OIIO::ImageSpec& spec = input->spec();
   Image image{spec.width, spec.height, spec.nchannels, {}};
   image.pixels.resize(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels));

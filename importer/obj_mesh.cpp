@@ -105,8 +105,10 @@ Result<uint32_t> ObjReader::vertex(const std::string& corner) {
   for (size_t k = 0; k < 3; ++k) {
     char* end = nullptr;
     key[k] = std::strtol(at, &end, 10);
-    if (key[k] < 0) key[k] += long(counts[k]) + 1;
-    if (key[k] < 0 || key[k] > long(counts[k]) || (k == 0 && key[k] == 0))
+    const bool counted_back = key[k] < 0;  // -1: the last so far
+    if (counted_back) key[k] += long(counts[k]) + 1;
+    const bool none = key[k] == 0 && !counted_back && k > 0;
+    if (!none && (key[k] < 1 || key[k] > long(counts[k])))
       return refuse(issue_id::kTileGeometry, "'" + corner + "' names a vertex that does not exist");
     if (*end != '/' && *end != '\0') return refuse(issue_id::kTileGeometry, "'" + corner + "' is no vertex of a face");
     if (*end == '\0') break;

@@ -70,7 +70,8 @@ bool isInteger(const std::string& extension) { return extension == ".png" || ext
 }  // namespace
 
 Result<Picture> readPicture(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
     return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file"};
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) return imageIssue(path, "is no image that can be read: " + OIIO::geterror());

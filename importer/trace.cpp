@@ -103,24 +103,42 @@ struct Lights {
   std::optional<PanoramaLights> panorama;
 };
 
+// A pixel's area in `count` cells of equal area: rows as high as they have cells.
+class Strata {
+ public:
+  explicit Strata(int count) : count_(std::max(1, count)), rows_(static_cast<int>(std::lround(std::sqrt(count_)))) {}
+  int count() const { return count_; }
+  // The point (u, v) of cell s, both in [0, 1), as a point of the pixel.
+  glm::dvec2 at(int s, double u, double v) const {
+    const int row = s * rows_ / count_, first = firstOf(row), cells = firstOf(row + 1) - first;
+    return {(s - first + u) / cells, (first + v * cells) / count_};
+  }
+
+ private:
+  int firstOf(int row) const { return (row * count_ + rows_ - 1) / rows_; }
+  int count_, rows_;
+};
+
 glm::vec4 pixelAverage(const World& world, const Lights& lights, const TraceOptions& options, int x, int y) {
-  const int strata = std::max(1, static_cast<int>(std::lround(std::sqrt(options.samples))));
+  const Strata strata(options.samples);
   const uint64_t pixel_seed = mixSeed(0x10DE, uint64_t(y) * options.width + x);
   glm::dvec4 sum(0);
-  for (int s = 0; s < strata * strata; ++s) {
+  for (int s = 0; s < strata.count(); ++s) {
     const uint64_t seed = mixSeed(pixel_seed, s);
-    const double px = x + (s % strata + uniform(seed, 0)) / strata, py = y + (s / strata + uniform(seed, 1)) / strata;
-    const glm::dvec3 direction = cameraRay(options.camera, px, py, options.width, options.height);
+    const glm::dvec2 p = glm::dvec2(x, y) + strata.at(s, uniform(seed, 0), uniform(seed, 1));
+    const glm::dvec3 direction = cameraRay(options.camera, p.x, p.y, options.width, options.height);
     sum += world.radiance(options.camera.position, direction, lights.draw(mixSeed(seed, 3)), mixSeed(seed, 2));
   }
-  return sum / double(strata * strata);
+  return sum / double(strata.count());
 }
 
 }  // namespace
 
 Result<Picture> trace(const Tile& tile, const TraceOptions& options) {
-  if (glm::distance(options.camera.position, options.camera.target) < 1e-9)
-    return Issue{issue_id::kOption, Severity::kError, "camera", "position and target are the same point"};
+  const glm::dvec3 forward = options.camera.target - options.camera.position;
+  if (!(glm::length(forward) >= 1e-9)) return Issue{issue_id::kOption, Severity::kError, "camera", "position and target are the same point"};
+  if (!(glm::length(glm::cross(forward, options.camera.up)) > 1e-9 * glm::length(forward)))
+    return Issue{issue_id::kOption, Severity::kError, "camera", "up lies along the direction of view, and gives no picture its top; name another \"up\""};
   std::unique_ptr<World> world;
   if (options.surface == SurfaceKind::kPlane) world = std::make_unique<PlaneWorld>(tile, options);
   else world = std::make_unique<BentWorld>(tile, options);

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "importer/gltf/gltf_document.h"
+#include "importer/gltf/gltf_resource.h"
 #include "importer/pack.h"
 #include "material/asset.h"
 #include "material/gltf_extensions.h"
@@ -22,6 +23,8 @@ class SceneCheck {
   std::vector<Issue> run() {
     issues_ = wrongTypes(json_, path_.string());
     checkRequired();
+    checkBuffers();
+    checkImages();
     checkBufferViews();
     checkAccessors();
     checkAssets();
@@ -43,6 +46,42 @@ class SceneCheck {
       if (!name.is_string() || !isSupportedGltfExtension(name.get<std::string>()))
         add(issue_id::kGltfRequired, at("extensionsRequired", i), name.dump() + " is not known to Loden");
     }
+  }
+
+  // The element's uri; null if it has none. One that is no text is said by wrongTypes.
+  static const std::string* uriOf(const Json& item) {
+    if (!item.is_object()) return nullptr;
+    const auto uri = item.find("uri");
+    return uri != item.end() && uri->is_string() ? uri->get_ptr<const std::string*>() : nullptr;
+  }
+
+  Result<GltfResource> openUri(const std::string& uri, const std::string& place) const {
+    return GltfResource::open(uri, path_.parent_path(), path_.string() + ": " + place);
+  }
+
+  // Only the first buffer of a .glb is the binary chunk, and only without a uri.
+  Result<GltfResource> openBuffer(size_t i) const {
+    if (const std::string* uri = uriOf(json_["buffers"][i])) return openUri(*uri, at("buffers", i) + ".uri");
+    if (document_.binary && i == 0) return GltfResource::of(document_.binary_chunk);
+    return Issue{issue_id::kGltfAccessor, Severity::kError, path_.string() + ": " + at("buffers", i), "has no uri, and is no binary chunk"};
+  }
+
+  // Every buffer has the bytes that it declares.
+  void checkBuffers() {
+    for (size_t i = 0; i < arraySize(json_, "buffers"); ++i) {
+      const auto buffer = openBuffer(i);
+      const int64_t declared = integerMember(json_["buffers"][i], "byteLength");
+      if (!buffer) issues_.push_back(buffer.issue());
+      else if (declared < 1) add(issue_id::kGltfAccessor, at("buffers", i), "has no byteLength");
+      else if (buffer->size() < static_cast<uint64_t>(declared))
+        add(issue_id::kGltfAccessor, at("buffers", i), "has " + std::to_string(buffer->size()) + " bytes of the " + std::to_string(declared) + " that it declares");
+    }
+  }
+
+  void checkImages() {
+    for (size_t i = 0; i < arraySize(json_, "images"); ++i)
+      if (const std::string* uri = uriOf(json_["images"][i]))
+        if (const auto image = openUri(*uri, at("images", i) + ".uri"); !image) issues_.push_back(image.issue());
   }
 
   // All sums in 64 bit; members are at most 2^53 in valid JSON, so that nothing overflows.
@@ -117,19 +156,10 @@ class SceneCheck {
   }
 
   void checkFile(const std::string& uri, const std::string& place) {
-    const auto relative = confinedPath(uri, path_.string() + ": " + place);
-    if (!relative) {
-      issues_.push_back(relative.issue());
-      return;
-    }
-    const fs::path path = path_.parent_path() / *relative;
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-      add(issue_id::kCannotOpen, place, "'" + uri + "' is not there");
-      return;
-    }
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-    checkBytes(bytes, path.string());
+    const auto relative = confinedPath(uri, path_.string() + ": " + place);  // an asset's uri is never data
+    const auto file = relative ? openUri(uri, place) : Result<GltfResource>(relative.issue());
+    if (file) checkBytes(*file, 0, file->size(), (path_.parent_path() / *relative).string());
+    else issues_.push_back(file.issue());
   }
 
   void checkEmbedded(const Json& asset, const std::string& place) {
@@ -141,15 +171,23 @@ class SceneCheck {
       return;
     }
     const Json& buffer_view = json_["bufferViews"][view];
-    if (!document_.binary || integerMember(buffer_view, "buffer") != 0) return;  // the bytes are in a uri
+    const int64_t index = integerMember(buffer_view, "buffer");
+    if (index < 0 || static_cast<size_t>(index) >= arraySize(json_, "buffers")) return;  // said by checkBufferViews
+    const auto buffer = openBuffer(static_cast<size_t>(index));
+    if (!buffer) return;  // said by checkBuffers
     const int64_t offset = std::max<int64_t>(0, integerMember(buffer_view, "byteOffset"));
-    const int64_t length = integerMember(buffer_view, "byteLength"), size = static_cast<int64_t>(document_.binary_chunk.size());
-    if (length < 1 || length > size || offset > size - length) return;  // said by checkBufferViews
-    checkBytes(std::string_view(document_.binary_chunk).substr(offset, length), path_.string() + ": " + place);
+    const int64_t length = integerMember(buffer_view, "byteLength"), size = static_cast<int64_t>(buffer->size());
+    if (length < 1 || length > size || offset > size - length) return;  // said by checkBufferViews or checkBuffers
+    checkBytes(*buffer, static_cast<uint64_t>(offset), static_cast<uint64_t>(length), path_.string() + ": " + place);
   }
 
-  void checkBytes(std::string_view bytes, const std::string& name) {
-    const auto found = validateAsset(std::as_bytes(std::span(bytes)), name);
+  void checkBytes(const GltfResource& resource, uint64_t offset, uint64_t length, const std::string& name) {
+    const auto bytes = resource.read(offset, length);
+    if (!bytes) {
+      issues_.push_back(bytes.issue());
+      return;
+    }
+    const auto found = validateAsset(std::as_bytes(std::span(*bytes)), name);
     issues_.insert(issues_.end(), found.begin(), found.end());
   }
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "material/issues.h"
+#include "material/exit_code.h"
 #include "runtime/gl_target.h"
 #include "sample_game/player.h"
 #include "sample_game/recorder.h"
@@ -24,15 +24,6 @@ volatile std::sig_atomic_t interrupted = 0;
 
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-int exitCodeOf(const Issue& issue) {
-  if (issue.id == issue_id::kOption) return 1;
-  if (issue.id < 2000) return 2;
-  if (issue.id >= 7000) return 4;
-  const bool unsupported = issue.id == issue_id::kGltfRequired || issue.id == issue_id::kVersion ||
-                           issue.id == issue_id::kUnknownCritical;
-  return unsupported ? 5 : 3;
 }
 
 int fail(const Issue& issue) {

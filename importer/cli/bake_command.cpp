@@ -111,6 +111,7 @@ class BakeCommand : public Command {
     if (std::sscanf(shard_.c_str(), "%d/%d%n", &bake_.shard, &bake_.shards, &used) != 2 ||
         used != static_cast<int>(shard_.size()) || bake_.shards < 1 || bake_.shard < 0 || bake_.shard >= bake_.shards)
       return optionIssue("--shard", "'" + shard_ + "' is not I/N with 0 <= I < N");
+    if (layout_ == "bonn" && !bake_.maps.btf) return optionIssue("--layout bonn", "needs the BTF; name btf in --maps, too");
     if (layout_ == "bonn" && bake_.shards > 1)
       return optionIssue("--layout bonn", "needs the whole bake; bake the shards first, then once more with --resume and --layout bonn");
     return {};

@@ -8,22 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "material/result.h"
+#include "material/exit_code.h"
 
 namespace loden::importer {
-
-// Documented in `loden --help`; never renumbered.
-enum ExitCode {
-  kExitOk = 0,
-  kExitUsage = 1,
-  kExitIo = 2,
-  kExitInvalid = 3,
-  kExitRuntime = 4,
-  kExitUnsupported = 5,
-  kExitDifference = 7,
-  kExitInterrupted = 130,
-};
-ExitCode exitCodeOf(const Issue& issue);
 
 // Options that every verb has.
 struct GlobalOptions {
@@ -46,7 +33,7 @@ class Options {
   void paths(const std::string& names, std::vector<std::filesystem::path>& value, const std::string& help);
   void integer(const std::string& names, int& value, const std::string& help, int least, int most);
   void bytes(const std::string& names, uint64_t& value, const std::string& help);  // "614400", "600k", "1.5M"
-  void number(const std::string& names, double& value, const std::string& help);
+  void number(const std::string& names, double& value, const std::string& help, bool infinite = false);  // never NaN
   void flag(const std::string& names, bool& value, const std::string& help);
   // One of the given words.
   void choice(const std::string& names, std::string& value, const std::vector<std::string>& words,

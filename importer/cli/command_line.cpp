@@ -8,20 +8,12 @@
 
 #include "importer/cli/command.h"
 #include "importer/cli/interrupt.h"
-#include "material/issues.h"
 
 namespace loden::importer {
 
 struct Options::Impl {
   CLI::App* app = nullptr;
 };
-
-ExitCode exitCodeOf(const Issue& issue) {
-  if (issue.id == issue_id::kOption) return kExitUsage;
-  if (issue.id == issue_id::kVersion || issue.id == issue_id::kUnknownCritical || issue.id == issue_id::kGltfRequired) return kExitUnsupported;
-  if (issue.id < 2000) return kExitIo;
-  return issue.id < 7000 ? kExitInvalid : kExitRuntime;
-}
 
 namespace {
 
@@ -75,10 +67,11 @@ void Options::bytes(const std::string& names, uint64_t& value, const std::string
   option->type_name("BYTES");
 }
 
-void Options::number(const std::string& names, double& value, const std::string& help) {
+void Options::number(const std::string& names, double& value, const std::string& help, bool infinite) {
   auto* option = impl_.app->add_option(names, value, help)->type_name("X");
-  option->check([](const std::string& text) {
-    return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is not a number" : std::string();
+  option->check([infinite](const std::string& text) {
+    const double number = std::strtod(text.c_str(), nullptr);
+    return std::isfinite(number) || (infinite && !std::isnan(number)) ? std::string() : "'" + text + "' is not a number that can be used";
   });
   if (!std::isnan(value)) option->capture_default_str();
 }

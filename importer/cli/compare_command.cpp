@@ -47,7 +47,7 @@ class CompareCommand : public Command {
     options.choice("--lookup", lookup_, {"default", "fast", "paper", "none"}, "How assets find p");
     options.integer("--level", compare_.level, "Level of detail: the reference is averaged over 2^N x 2^N texels", 0, 12);
     options.integer("--every", compare_.every, "Only every N-th view and light", 1, 1000);
-    options.number("--fail", fail_, "Exit with 7 if the metric is worse than X");
+    options.number("--fail", fail_, "Exit with 7 if the metric is worse than X", true);
     options.choice("--metric", metric_, {"rmse", "mae", "lab", "flip", "psnr"},
                    "What --fail looks at: rmse and mae of Y, mean Lab, mean FLIP, or PSNR (worse = below)");
     options.footer("Pictures: integer formats are decoded from sRGB, EXR and HDR are linear. White Lambert = 1.\n"

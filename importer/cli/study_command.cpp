@@ -12,6 +12,7 @@ namespace {
 // Needs OpenGL, which nothing here may link: a program of its own, beside this one.
 constexpr const char* kTimeError = "time-error";
 constexpr const char* kTimeErrorProgram = "bench_time_error";
+constexpr int kTimeErrorMostSize = 256;
 
 class StudyCommand : public Command {
  public:
@@ -33,7 +34,7 @@ class StudyCommand : public Command {
     options.path("--json", json_, "Write the rows as JSON to this file");
     options.path("--csv", csv_, "Write the rows as CSV to this file");
     options.path("--bakes", study_options_.bakes, "Folder of baked outputs, <tile>-<size>; baked there if missing");
-    options.path("--pictures", study_options_.pictures, "Write pictures into this folder");
+    options.path("--pictures", study_options_.pictures, "Write pictures into this folder, if the study has some");
     options.footer("Studies:\n" + list + "Y, Cb and Cr are BT.601 of linear RGB, Lab is CIE76 under D65; 1 is white Lambert lit from above.\n"
                    "FBTF: Flat Bidirectional Texture Functions. LBTF: Level-of-Detail Representation of BTFs.");
   }
@@ -57,6 +58,8 @@ class StudyCommand : public Command {
 
  private:
   int runTimeError(const GlobalOptions& globals) const {
+    if (study_options_.size > kTimeErrorMostSize)
+      return fail({issue_id::kOption, Severity::kError, "--size", "study time-error takes " + std::to_string(kTimeErrorMostSize) + " at most: it draws the whole BTF, too"});
     const auto program = siblingProgram(kTimeErrorProgram);
     if (program.empty()) {
       failUsage(std::string(kTimeErrorProgram) + " is not beside loden; build that target, or ./loden.sh build, and run loden from there");
@@ -67,6 +70,7 @@ class StudyCommand : public Command {
     for (const std::string& tile : study_options_.tiles) arguments.insert(arguments.end(), {"--tile", tile});
     if (!json_.empty()) arguments.insert(arguments.end(), {"--json", json_.string()});
     if (!csv_.empty()) arguments.insert(arguments.end(), {"--csv", csv_.string()});
+    arguments.insert(arguments.end(), {"--command", globals.command_line});
     if (globals.quiet) arguments.push_back("-q");
     becomeProgram(program, arguments);
     return fail({issue_id::kCannotOpen, Severity::kError, program.string(), "cannot be run"});

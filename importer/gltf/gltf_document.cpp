@@ -49,6 +49,13 @@ int hexDigit(char c) {
   return -1;
 }
 
+int base64Digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  return c == '+' ? 62 : c == '/' ? 63 : -1;
+}
+
 std::string percentDecoded(const std::string& uri) {
   std::string text;
   for (size_t i = 0; i < uri.size(); ++i) {
@@ -212,6 +219,25 @@ std::string base64(std::string_view bytes) {
     for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
+}
+
+std::optional<std::string> bytesOfDataUri(std::string_view uri) {
+  constexpr std::string_view kMark = ";base64,";
+  const size_t comma = uri.find(',');
+  if (!isDataUri(uri) || comma == std::string_view::npos || !uri.substr(0, comma + 1).ends_with(kMark)) return std::nullopt;
+  std::string_view text = uri.substr(comma + 1);
+  for (int padding = 0; padding < 2 && text.ends_with('='); ++padding) text.remove_suffix(1);
+  if (text.size() % 4 == 1) return std::nullopt;
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3 + 2);
+  uint32_t group = 0;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const int digit = base64Digit(text[i]);
+    if (digit < 0) return std::nullopt;
+    group = group << 6 | static_cast<uint32_t>(digit);
+    if (i % 4 > 0) bytes += static_cast<char>(group >> (6 - 2 * (i % 4)) & 0xFF);
+  }
+  return bytes;
 }
 
 }  // namespace loden::importer

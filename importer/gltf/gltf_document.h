@@ -1,9 +1,10 @@
-// A glTF file as JSON text, so that what Loden does not know survives editing. Not for untrusted scenes at run
-// time: that is runtime/, through tinygltf.
+// A glTF file as JSON text, so that what Loden does not know survives editing. Nothing in it is trusted: pack and
+// validate read what strangers wrote. For drawing, runtime/ loads scenes through tinygltf.
 #pragma once
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,5 +44,7 @@ Result<std::filesystem::path> confinedPath(const std::string& uri, const std::st
 std::string uriFromPath(const std::filesystem::path& relative);
 bool isDataUri(std::string_view uri);
 std::string base64(std::string_view bytes);
+// The bytes of a base64 data uri; none if it is of another encoding, or damaged.
+std::optional<std::string> bytesOfDataUri(std::string_view uri);
 
 }  // namespace loden::importer

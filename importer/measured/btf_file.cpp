@@ -137,9 +137,9 @@ class FmfFile : public BtfFile {
       const uint8_t version = readU8(cursor);
       if (version >= 1) exponential_ = cursor.u32() != 0;
       if (version >= 2) {
-        const uint64_t height_map = uint64_t{cursor.u32()} * cursor.u32() * 2;  // below 2^65: checked by halves
-        if (!cursor.ok() || height_map / 2 > cursor.left() / 2) return brokenFile(name_, "its height map is larger than the file");
-        cursor.bytes(height_map);
+        const uint64_t width = cursor.u32(), height = cursor.u32(), texels = width * height;  // below 2^64; two bytes each
+        if (!cursor.ok() || texels > cursor.left() / 2) return brokenFile(name_, "its height map is larger than the file");
+        cursor.bytes(2 * texels);
       }
     }
     cursor.u32();  // the component count, which follows again

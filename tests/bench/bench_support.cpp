@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "material/exit_code.h"
 #include "runtime/shader_library.h"
 
 namespace loden::bench {
@@ -206,7 +207,7 @@ std::vector<double> interleavedMedians(const std::vector<std::function<void()>>&
 
 void fail(const Issue& issue) {
   std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str());
-  std::exit(4);
+  std::exit(exitCodeOf(issue));
 }
 
 }  // namespace loden::bench

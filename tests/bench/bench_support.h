@@ -51,7 +51,7 @@ double meanFetches(const FullScreen& screen, const runtime::GlProgram& program, 
 // Median milliseconds of each task, all run in turn within each of `rounds` rounds, after two to warm up.
 std::vector<double> interleavedMedians(const std::vector<std::function<void()>>& tasks, int rounds);
 
-// The value, or the issue on stderr and exit code 4.
+// The value, or the issue on stderr and the exit code that goes with it.
 template <class T>
 T require(Result<T> result);
 [[noreturn]] void fail(const Issue& issue);

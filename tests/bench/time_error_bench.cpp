@@ -361,7 +361,8 @@ struct Arguments {
 
 [[noreturn]] void usage(const std::string& wrong) {
   std::fprintf(stderr, "bench_time_error: %s\n"
-               "usage: bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv FILE] [--format text|json] [--threads N] [-q]\n",
+               "usage: bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv FILE] [--format text|json] [--threads N]\n"
+               "       [--command TEXT] [-q]; TEXT stands in the JSON as what was typed\n",
                wrong.c_str());
   std::exit(1);
 }
@@ -378,6 +379,7 @@ Arguments parseArguments(int argc, char** argv) {
   Arguments all;
   all.study.bakes = "out/studies/bakes";
   all.study.tiles.clear();
+  std::string command;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     all.command += " " + option;
@@ -393,10 +395,12 @@ Arguments parseArguments(int argc, char** argv) {
     else if (option == "--bakes") all.study.bakes = value;
     else if (option == "--json") all.json = value;
     else if (option == "--csv") all.csv = value;
+    else if (option == "--command") command = value;
     else if (option == "--format" && (value == "text" || value == "json")) all.print_json = value == "json";
     else usage(option + " " + value + " is unknown");
   }
   if (all.study.tiles.empty()) all.study.tiles = {"button", "pulli"};
+  if (!command.empty()) all.command = command;
   return all;
 }
 

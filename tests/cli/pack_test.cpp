@@ -36,6 +36,27 @@ std::string glbOf(const std::string& json_text, const std::string& bin) {
   return out + std::string("BIN\0", 4) + bin;
 }
 
+// Of text without damage.
+std::string decodedBase64(const std::string& text) {
+  const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bits, bytes;
+  for (const char c : text.substr(0, text.find('=')))
+    for (int bit = 5; bit >= 0; --bit) bits += alphabet.find(c) >> bit & 1 ? '1' : '0';
+  for (size_t i = 0; i + 8 <= bits.size(); i += 8) bytes += static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2));
+  return bytes;
+}
+
+// `loden validate` finds the scene invalid and says this number.
+void expectIssue(const std::string& scene, int id) {
+  const ToolRun run = loden({"validate", scene, "--format", "json"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  const Json json = Json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << run.out;
+  bool found = false;
+  for (const Json& issue : json["issues"]) found |= issue["id"] == id;
+  EXPECT_TRUE(found) << id << " in " << run.out;
+}
+
 TEST(Pack, ByUri_KeepsEverythingElse) {
   const ScratchFolder scratch;
   writeScene(scratch.path());
@@ -88,14 +109,35 @@ TEST(Pack, EmbeddedInGlb_IsAlignedAndValid) {
   const size_t begin = 20 + u32At(bytes, 12) + 8 + view["byteOffset"].get<size_t>();
   EXPECT_TRUE(bytes.substr(begin, view["byteLength"].get<size_t>()) == fileText(sharedAsset()));
   EXPECT_EQ(loden({"validate", scratch / "out.glb"}).exit_code, 0);
+  // Fewer bytes than the first buffer declares: the asset is cut off, and with fewer still the mesh.
+  for (const size_t left : {begin + 100, begin - 40}) {
+    writeText(scratch / "cut.glb", glbOf(packed.dump(), bytes.substr(28 + u32At(bytes, 12), left - 28 - u32At(bytes, 12))));
+    expectIssue(scratch / "cut.glb", 5004);
+  }
 }
 
-TEST(Pack, EmbeddedInGltf_IsOneFileMore) {
+TEST(Pack, EmbeddedInGltf_IsADataUriOfTheAssetsBytes) {
   const ScratchFolder scratch;
   writeScene(scratch.path());
   ASSERT_EQ(packTo(scratch, "out.gltf", {"--embed"}).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(scratch / "material.loden"));
   EXPECT_EQ(loden({"validate", scratch / "out.gltf"}).exit_code, 0);
+  Json packed = Json::parse(fileText(scratch / "out.gltf"));
+  const Json view = packed["bufferViews"][packed["extensions"][kExtension]["assets"][0]["bufferView"].get<size_t>()];
+  Json& uri = packed["buffers"][view["buffer"].get<size_t>()]["uri"];
+  const std::string good = uri, head = "data:application/vnd.loden;base64,";
+  ASSERT_TRUE(good.starts_with(head)) << good.substr(0, 80);
+  EXPECT_EQ(view["byteOffset"], 0);
+  EXPECT_TRUE(decodedBase64(good.substr(head.size())) == fileText(sharedAsset()));
+  std::string wrong_digit = good, no_digit = good;
+  char& digit = wrong_digit[head.size() + (good.size() - head.size()) / 2];
+  digit = digit == 'A' ? 'B' : 'A';
+  no_digit[head.size() + 7] = '!';
+  for (const auto& [damaged, id] : {std::pair{wrong_digit, 2005}, {no_digit, 5001}, {good.substr(0, head.size() + 400), 5004}}) {
+    uri = damaged;
+    writeText(scratch / "bad.gltf", packed.dump());
+    expectIssue(scratch / "bad.gltf", id);
+  }
 }
 
 TEST(Pack, ToAnotherFolder_TakesTheBuffersAlong) {
@@ -224,6 +266,12 @@ TEST(Validate, HostileScenes_AreIssuesNotCrashes) {
       {replaced("\"asset\": 0", "\"asset\": -1"), 5006},
       {replaced("\"count\": 3", "\"count\": 1000000"), 5004},
       {replaced("\"byteLength\": 24", "\"byteLength\": 9007199254740991"), 5004},
+      {replaced("\"byteLength\": 60", "\"byteLength\": 61"), 5004},
+      {replaced("\"uri\": \"scene.bin\",", ""), 5004},
+      {replaced("\"scene.bin\"", "\"../scene.bin\""), 5003},
+      {replaced("\"scene.bin\"", "\"missing.bin\""), 1001},
+      {replaced("\"buffers\"", "\"images\": [{\"uri\": \"/etc/passwd\"}], \"buffers\""), 5003},
+      {replaced("\"buffers\"", "\"images\": [{\"uri\": \"missing.png\"}], \"buffers\""), 1001},
       {replaced("\"extensionsUsed\"", "\"extensionsUsedNot\""), 5006},
       {replaced("\"extensionsUsed\"", "\"extensionsRequired\": [\"X\"], \"extensionsUsed\""), 5005},
   };
@@ -233,13 +281,7 @@ TEST(Validate, HostileScenes_AreIssuesNotCrashes) {
   EXPECT_EQ(known.exit_code, 0) << known.out;
   for (const auto& [text, id] : cases) {
     writeText(scratch / "bad.gltf", text);
-    const ToolRun run = loden({"validate", scratch / "bad.gltf", "--format", "json"});
-    EXPECT_EQ(run.exit_code, 3) << run.err;
-    const Json json = Json::parse(run.out, nullptr, false);
-    ASSERT_TRUE(json.is_object()) << run.out;
-    bool found = false;
-    for (const Json& issue : json["issues"]) found |= issue["id"] == id;
-    EXPECT_TRUE(found) << id << " in " << run.out;
+    expectIssue(scratch / "bad.gltf", id);
   }
 }
 

@@ -28,6 +28,16 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
   return arguments;
 }
 
+void expectSameFiles(const fs::path& folder, const std::map<std::string, std::string>& expected) {
+  const auto found = contents(folder);
+  EXPECT_EQ(found.size(), expected.size());
+  for (const auto& [name, bytes] : expected) {
+    const auto file = found.find(name);
+    ASSERT_NE(file, found.end()) << name;
+    EXPECT_TRUE(file->second == bytes) << name;
+  }
+}
+
 TEST(Bake, ThreeShardsOneKilledAndResumed_GiveTheSameBytesAsOneRun) {
   const ScratchFolder scratch;
   const fs::path whole = scratch / "whole", shared = scratch / "shared";
@@ -46,13 +56,36 @@ TEST(Bake, ThreeShardsOneKilledAndResumed_GiveTheSameBytesAsOneRun) {
 
   const ToolRun resumed = loden(with(bakeInto(shared), {"--shard", "1/3", "--resume"}));
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
-  const auto expected = contents(whole), found = contents(shared);
-  EXPECT_EQ(found.size(), expected.size());
-  for (const auto& [name, bytes] : expected) {
-    const auto file = found.find(name);
-    ASSERT_NE(file, found.end()) << name;
-    EXPECT_TRUE(file->second == bytes) << name;
+  expectSameFiles(shared, contents(whole));
+}
+
+TEST(Bake, ShardOfAFinishedBakeBegunAgain_IsUnfinishedUntilItsLastPass) {
+  const ScratchFolder scratch;
+  const fs::path folder = scratch / "bake";
+  const auto bake = with(bakeInto(folder), {"--fill", "nearest-view"});
+  ASSERT_EQ(loden(bake).exit_code, 0);
+  const auto whole = contents(folder);
+  const ToolRun killed = runTool(LODEN_TOOL, with(bake, {"--shard", "0/2"}), folder / "bake.unfinished.json", SIGKILL);
+  EXPECT_EQ(killed.exit_code, 128 + SIGKILL);
+  EXPECT_FALSE(fs::exists(folder / "bake.json"));
+  EXPECT_EQ(loden(with(bake, {"--shard", "0/2"})).exit_code, 0);
+  expectSameFiles(folder, whole);
+}
+
+TEST(Bake, ShardsThatFinishAtOnce_GiveTheSameBytesAsOneRun) {
+  const ScratchFolder scratch;
+  const fs::path folder = scratch / "bake";
+  const auto bake = with(bakeInto(folder), {"--fill", "nearest-view"});
+  ASSERT_EQ(loden(bake).exit_code, 0);
+  const auto whole = contents(folder);
+  std::vector<std::future<ToolRun>> runs;  // all find everything there, and go to the last pass
+  for (const char* shard : {"0/3", "1/3", "2/3"})
+    runs.push_back(std::async(std::launch::async, [&, shard] { return loden(with(bake, {"--shard", shard, "--resume"})); }));
+  for (auto& run : runs) {
+    const ToolRun ended = run.get();
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
   }
+  expectSameFiles(folder, whole);
 }
 
 }  // namespace

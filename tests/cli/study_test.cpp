@@ -1,7 +1,9 @@
 // Every study at a small size: that it runs, and that its rows have the promised keys.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/cli/loden_fixture.h"
 
@@ -13,11 +15,31 @@ struct StudyKeys {
   std::vector<std::string> keys;
 };
 
+// Those that the help lists, two spaces in.
+std::vector<std::string> listedStudies() {
+  std::istringstream help(loden({"study", "--help"}).out);
+  std::vector<std::string> names;
+  bool listed = false;
+  for (std::string line; std::getline(help, line);) {
+    if (listed && !line.starts_with("  ")) break;
+    if (listed) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    listed = listed || line == "Studies:";
+  }
+  return names;
+}
+
+std::vector<std::string> sorted(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
   const ScratchFolder scratch;
   const std::vector<StudyKeys> all{
       {"flat-reconstruction", {"tile", "size", "flat_size", "protocol", "lab_mean", "lab_max", "lab_variance", "rmse_y"}},
       {"vdim-interpolation", {"tile", "size", "map", "lookup", "fetches", "bytes", "mean_texels", "median_texels", "p95_texels", "over_1_texel"}},
+      {"curved-lookup", {"tile", "size", "surface", "lookup", "ray", "theta_from", "theta_to", "fetches", "mean_texels", "median_texels",
+                         "p95_texels", "over_1_texel", "miss_rate", "lost_rate", "found_rate", "samples"}},
       {"view-coherence", {"tile", "kind", "mean", "max"}},
       {"abrdf-size", {"tile", "format", "btf_bytes", "flat_bytes", "ratio"}},
       {"lod-fit", {"tile", "size", "mode", "preset", "components", "storage", "coefficient_bytes", "file_bytes", "gpu_bytes",
@@ -26,6 +48,9 @@ TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
       {"shadow-split", {"tile", "kind", "components", "coefficient_bytes", "rmse_y", "lab_mean"}},
       {"lab-bounds", {"tile", "size", "what", "lookup", "components", "lab_mean", "lab_black", "lab_lit", "rmse_y"}},
   };
+  std::vector<std::string> tested{"time-error"};  // below
+  for (const StudyKeys& study : all) tested.push_back(study.study);
+  EXPECT_EQ(sorted(tested), sorted(listedStudies()));
   for (const auto& [study, keys] : all) {
     SCOPED_TRACE(study);
     // The paper's five levels need a side of 16. The tile stands before the name: a list must not take it in.
@@ -52,6 +77,7 @@ TEST(Study, TimeError_HasItsKeysInEveryRow) {
   ASSERT_TRUE(json.is_object()) << run.out;
   EXPECT_EQ(json["schema"], "loden/study/1");
   EXPECT_EQ(json["study"], "time-error");
+  EXPECT_TRUE(json["command"].get<std::string>().starts_with("loden study time-error --size 16 --tile pulli")) << json["command"];
   EXPECT_EQ(run.out, fileText(scratch / "rows.json"));
   EXPECT_NE(fileText(scratch / "rows.csv").find("bytes_per_pixel"), std::string::npos);
   int tables = 0;
@@ -68,6 +94,17 @@ TEST(Study, TimeError_HasItsKeysInEveryRow) {
     }
   }
   EXPECT_EQ(tables, 2);
+}
+
+TEST(Study, TimeError_KeepsTheVerbsContract) {
+  const ScratchFolder scratch;
+  writeText(scratch / "file", "");
+  const ToolRun large = loden({"study", "time-error", "--size", "512"});
+  if (large.exit_code == 5) GTEST_SKIP() << large.err;  // built without the runtime
+  EXPECT_EQ(large.exit_code, 1);
+  EXPECT_NE(large.err.find("--size"), std::string::npos) << large.err;
+  EXPECT_EQ(loden({"study", "time-error", "--size", "16", "--tile", "nosuch.obj", "--bakes", scratch.path(), "-q"}).exit_code, 2);
+  EXPECT_EQ(loden({"study", "time-error", "--size", "16", "--tile", "pulli", "--bakes", scratch / "file/bakes", "-q"}).exit_code, 2);
 }
 
 TEST(Study, TimeErrorWithoutItsProgram_IsUnsupportedWithARemedy) {

@@ -72,7 +72,11 @@ TEST(Cli, BadValues_AreUsage) {
       {"study", "no-such-study"},
       {"study"},
       {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--shard", "0/2"},
+      {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--maps", "flat,vdim"},
       {"compare", sharedBake(), sharedAsset(), "--fail", "nan"},
+      {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "-o", out + ".gltf", "--rotation", "inf"},
+      {"extract", sharedAsset(), "-o", out + ".exr", "--lambda", "inf"},
+      {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "inf"},
       {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "nan"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--max-bytes", "600k"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--shadows", "split"},
@@ -100,6 +104,24 @@ TEST(Cli, UnwritableOutput_IsIoError) {
   const ScratchFolder scratch;
   EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "no/such/folder/out.exr"}).exit_code, 2);
   EXPECT_EQ(loden({"cook", sharedBake(), "-o", scratch / "no/such/folder/out.loden", "--mode", "lod", "-q"}).exit_code, 2);
+}
+
+TEST(Cli, PictureThatIsNone_IsInvalidInput) {
+  const ScratchFolder scratch;
+  const std::string none = scratch / "none.png", small = scratch / "small.png", large = scratch / "large.png", bake = scratch / "bake";
+  writeText(none, "no picture");
+  EXPECT_EQ(loden({"compare", none, none}).exit_code, 3);
+  for (const auto& [picture, size] : {std::pair{small, "4x4"}, {large, "8x4"}})
+    ASSERT_EQ(loden({"trace", "builtin:pulli", "-o", picture, "--size", size, "--spp", "1", "-q"}).exit_code, 0);
+  EXPECT_EQ(loden({"compare", small, large}).exit_code, 3);
+  std::filesystem::copy(sharedBake(), bake, std::filesystem::copy_options::recursive);
+  const auto view = scratch / "bake/btf/view_0000.exr";
+  std::filesystem::copy_file(sharedBake() + "/visible/view_0000.png", view, std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(loden({"cook", bake, "-o", scratch / "m.loden", "--mode", "lod", "-q"}).exit_code, 3);  // of another size
+  writeText(view, "no picture");
+  EXPECT_EQ(loden({"cook", bake, "-o", scratch / "m.loden", "--mode", "lod", "-q"}).exit_code, 3);
+  std::filesystem::remove(view);
+  EXPECT_EQ(loden({"cook", bake, "-o", scratch / "m.loden", "--mode", "lod", "-q"}).exit_code, 2);
 }
 
 TEST(Cli, MaterialAgainstPicture_IsUsage) {

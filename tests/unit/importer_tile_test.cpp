@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "importer/parameterize.h"
 #include "importer/weld.h"
@@ -134,6 +135,7 @@ TEST(TileObj, RefusesWhatIsNoTile) {
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\n")), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 2 3\n")), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 1\n")), issue_id::kTileGeometry);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(2, kFlat, kSame) + "f 1/-10 2/2 3/3\n")), issue_id::kTileGeometry);  // of nine
   EXPECT_EQ(refusal(folder.write("t.obj", "mtllib ../m.mtl\n")), issue_id::kGltfPath);
   EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, nullptr))), issue_id::kTileUv);
   // Borders that do not match, a rotated parameterization, a period that is not square, the wrong side up.
@@ -248,6 +250,20 @@ TEST(TileGltf, ReadsTransformedGeometryAndMaterial) {
   EXPECT_NEAR(tile->normals[0].z, 1, 1e-12);
 }
 
+TEST(TileGltf, MirroredNodesKeepTheirFront) {
+  const TemporaryFolder folder;
+  for (const auto& scale : {std::array{-1, 1, 1}, std::array{1, 1, -1}, std::array{-1, 1, -1}}) {
+    auto json = gltfTile();
+    json["nodes"][0]["scale"] = scale;
+    const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
+    ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
+    EXPECT_NEAR(tile->normals[0].z, 1, 1e-12);
+  }
+  auto json = gltfTile();
+  json["nodes"][0]["scale"] = {1, -1, 1};  // its front below
+  EXPECT_EQ(refusal(folder.write("t.gltf", json.dump())), issue_id::kTileGeometry);
+}
+
 TEST(TileGltf, ReadsBinaryFilesLikeText) {
   const TemporaryFolder folder;
   GltfDocument document{gltfTile(), true, {}};
@@ -270,6 +286,9 @@ TEST(TileGltf, RefusesDamageAndEscape) {
   EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9; }), issue_id::kGltfAccessor);
   EXPECT_EQ(changed([](auto& j) { j["nodes"][0]["children"] = {0}; }), issue_id::kGltfNode);
   EXPECT_EQ(changed([](auto& j) { j["nodes"][0]["mesh"] = 7; }), issue_id::kGltfNode);
+  EXPECT_EQ(changed([](auto& j) {
+    for (int k = 1; k <= 40; ++k) j["nodes"][size_t(k - 1)]["children"] = {k, k}, j["nodes"].push_back(nlohmann::ordered_json::object());
+  }), issue_id::kGltfNode);  // 2^40 paths
   EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }), issue_id::kTileUv);
   EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["mode"] = 5; }), issue_id::kTileGeometry);
   const std::string nested = R"({"asset":{"version":"2.0"},"extras":)" + std::string(20000, '[') + std::string(20000, ']') + "}";

@@ -65,7 +65,10 @@ SurfaceMaps tailOf(const SurfaceMaps& maps) {
   return tail;
 }
 
-uint64_t gpuBytes(const Band& band) { return bytesOf(band.weights) + bytesOf(band.table) + (band.light_quads > 0 ? bytesOf(band.light_table) : 0) + environmentTableBytes(band); }
+uint64_t gpuBytes(const Band& band) {
+  const uint64_t light_table = band.light_quads > 0 ? bytesOf(band.light_table) : 0;
+  return bytesOf(band.weights) + bytesOf(band.table) + light_table + environmentTableBytes(band);
+}
 uint64_t gpuBytes(const SurfaceMaps& maps) { return bytesOf(maps.normal) + bytesOf(maps.diffuse) + bytesOf(maps.specular); }
 
 void splitLeadingParts(Material& material) {

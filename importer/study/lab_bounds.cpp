@@ -13,6 +13,7 @@
 #include <functional>
 #include <optional>
 
+#include "importer/fit/atlas_choice.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/flat_fit.h"
 #include "importer/fit/fused_plan.h"
@@ -162,7 +163,8 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
   Material m;
   m.side = btf->side();
   m.geometry = *geometry;
-  const Evaluator evaluator(m, {}, options.threads);
+  m.atlas = chooseAtlas(m.geometry, m.side, options.threads).size;
+  const Evaluator evaluator(m, options.threads);
   const GeometryTracer tracer(m.geometry);
   const IndirectionLookup by_default = [&](glm::dvec2 x, const glm::dvec3& wo) { return evaluator.findHit(x, 0.0, wo).p; };
   const IndirectionLookup traced = [&](glm::dvec2 x, const glm::dvec3& wo) {

@@ -19,6 +19,14 @@ namespace {
 constexpr int kUnits = SCENE_UNIT_SHADOW + 1;
 constexpr int kUniformBindings = SCENE_BLOCK_OBJECT + 1;
 
+// The relief in the sun's shadow map. Neither sun nor objects move: nothing else changes it.
+struct ShadowRelief {
+  bool shown = false;  // else all objects are as their meshes are, and the rest is as here
+  uint64_t revision = 0;  // MaterialSystem::reliefRevision
+  std::optional<float> lambda;
+  friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
+};
+
 // A visible object.
 struct Drawable {
   int object = 0;
@@ -85,8 +93,7 @@ struct FrameRenderer::Impl {
   GpuScene scene;
   GlBuffer frame_uniforms, shadow_uniforms;
   ShadowMap shadow;
-  bool shadow_drawn = false, shadow_relief = false;
-  uint64_t shadow_revision = 0;  // of the materials' geometry
+  std::optional<ShadowRelief> shadow_drawn;
   MultisampleTarget multisample;
 
   View view;
@@ -103,7 +110,7 @@ struct FrameRenderer::Impl {
   void uploadUniforms();
   void drawObject(int object) const;
   bool movesDepth(MaterialId id) const;
-  bool shadowIsCurrent() const;
+  ShadowRelief shadowRelief() const;
   Status useDepthProgram(int object);
   Status drawShadowMap();
   Status drawDepth();
@@ -193,10 +200,9 @@ void FrameRenderer::Impl::drawObject(int index) const {
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
 }
 
-// Neither sun nor objects move: only a relief that arrives or goes changes the map.
-bool FrameRenderer::Impl::shadowIsCurrent() const {
-  if (!shadow_drawn || shadow_relief != settings.parallax_depth) return false;
-  return !settings.parallax_depth || shadow_revision == materials.geometryRevision();
+ShadowRelief FrameRenderer::Impl::shadowRelief() const {
+  if (!settings.parallax_depth || settings.base_materials_only) return {};
+  return {true, materials.reliefRevision(), settings.lambda};
 }
 
 // The program that draws an object's depth, as the camera or the sun sees it.
@@ -212,7 +218,7 @@ Status FrameRenderer::Impl::useDepthProgram(int object) {
 }
 
 Status FrameRenderer::Impl::drawShadowMap() {
-  if (!scene.sun || !settings.shadows || shadowIsCurrent()) return {};
+  if (!scene.sun || !settings.shadows || shadow_drawn == shadowRelief()) return {};
   const GlDebugGroup group("sun shadow");
   if (!shadow.depth) shadow = makeShadowMap();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow.framebuffer.name());
@@ -227,9 +233,7 @@ Status FrameRenderer::Impl::drawShadowMap() {
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   stats.depth_draw_calls += static_cast<int>(scene.objects.size());
-  shadow_drawn = true;
-  shadow_relief = settings.parallax_depth;
-  shadow_revision = materials.geometryRevision();
+  shadow_drawn = shadowRelief();
   return {};
 }
 
@@ -308,7 +312,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
   if (!gpu) return gpu.issue();
   auto impl = std::unique_ptr<Impl>(new Impl{shaders, materials, std::move(gpu.value()),
                                              makeFrameUniforms("frame uniforms"), makeFrameUniforms("shadow uniforms"),
-                                             {}, false, false, 0, {}, {}, {}, {}, {}, {}});
+                                             {}, {}, {}, {}, {}, {}, {}, {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
 }
 

@@ -86,10 +86,7 @@ struct MaterialSystem::Impl {
   void publishActive();
   ResidentState residentState(uint32_t index) const;
   void countFrame();
-  void countGeometry(PartRef ref) {
-    const PartKind kind = slots[ref.slot].plan[ref.part].kind;
-    geometry_revision += kind == PartKind::kGeometry || kind == PartKind::kAtlas;
-  }
+  void publish(uint32_t index) { relief_revision += slots[index].gpu.publish(residentState(index)) && hasRelief(slots[index].variant); }
   bool current(const PartTicket& ticket) const {
     const Slot& slot = slots[ticket.ref.slot];
     return slot.alive && ticket.ref.part < slot.serials.size() && slot.serials[ticket.ref.part] == ticket.serial;
@@ -103,7 +100,7 @@ struct MaterialSystem::Impl {
   std::deque<UploadJob> uploads;
   std::vector<Demand> demands, last_demands;
   uint64_t next_serial = 1;
-  uint64_t geometry_revision = 0;
+  uint64_t relief_revision = 0;
   MaterialStats stats;
   std::atomic<uint64_t> read_bytes{0};
   LoadingThreads loader;  // last: its threads read the rest
@@ -155,7 +152,7 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   slot.gpu = MaterialGpu(file->skeleton(), *variant, name, slot.plan.size());
   const GlPixelStateScope scope;
   slot.gpu.create(impl.shared);
-  slot.gpu.publish(impl.residentState(index));
+  impl.publish(index);
   for (const PartPlan& part : slot.plan) impl.stats.total_bytes += part.desc.bytes;
   ++impl.stats.materials;
   return MaterialId{(slot.generation & 0xfffu) << kIndexBits | (index + 1)};
@@ -187,7 +184,7 @@ float MaterialSystem::residentLambda(MaterialId id) const {
   return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
 }
 
-uint64_t MaterialSystem::geometryRevision() const { return impl_->geometry_revision; }
+uint64_t MaterialSystem::reliefRevision() const { return impl_->relief_revision; }
 
 void MaterialSystem::demand(MaterialId id, float lambda) {
   const uint32_t index = impl_->indexOf(id);
@@ -245,7 +242,7 @@ Status MaterialSystem::contextRestored() {
   for (uint32_t index = 0; index < impl.slots.size(); ++index) {
     if (!impl.slots[index].alive) continue;
     impl.slots[index].gpu.create(impl.shared);
-    impl.slots[index].gpu.publish(impl.residentState(index));
+    impl.publish(index);
   }
   return {};
 }
@@ -299,7 +296,6 @@ void MaterialSystem::Impl::finishJob(UploadJob& job) {
   slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
   slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
   residency.arrived(job.ticket.ref);
-  countGeometry(job.ticket.ref);
 }
 
 void MaterialSystem::Impl::evict(PartRef ref) {
@@ -310,7 +306,6 @@ void MaterialSystem::Impl::evict(PartRef ref) {
   loader.cancel(ref);
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
-  countGeometry(ref);
 }
 
 void MaterialSystem::Impl::request(PartRef ref) {
@@ -344,7 +339,7 @@ ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
 }
 
 void MaterialSystem::Impl::publishActive() {
-  for (const uint32_t index : residency.active()) slots[index].gpu.publish(residentState(index));
+  for (const uint32_t index : residency.active()) publish(index);
 }
 
 void MaterialSystem::Impl::countFrame() {

@@ -263,13 +263,13 @@ TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
   system->demand(b, 0);
   system->finishLoading();
   EXPECT_EQ(system->stats().parts_resident, 4);
-  const uint64_t revision = system->geometryRevision();
+  const uint64_t revision = system->reliefRevision();
   for (int frame = 0; frame < 5; ++frame) {
     system->demand(b, 1.5f);  // bands and geometry, but not so near that the full atlas would show
     system->update(0.5f);
   }
   EXPECT_EQ(system->stats().parts_resident, 3);
-  EXPECT_NE(system->geometryRevision(), revision);
+  EXPECT_NE(system->reliefRevision(), revision);
   EXPECT_TRUE(drawMaterial(*system, b, 0) == drawMaterial(*small, a, 0));
   system->demand(b, 0);
   system->finishLoading();

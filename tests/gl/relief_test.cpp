@@ -2,7 +2,9 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "material/directions.h"
 #include "runtime/frame.h"
@@ -149,6 +151,68 @@ TEST_F(Relief, LooksTheSameWithoutADepthPrePass) {
   float off = 0;
   for (size_t i = 0; i < with.size(); ++i) off = std::max(off, glm::distance(with[i], without[i]));
   EXPECT_LT(off, 1e-5f);
+}
+
+// The same ridges as a fused material: the relief is seen as far as the flat band is, which arrives after the geometry.
+Material fusedRidges() {
+  const Material surface = ridges();
+  Material material = fusedMaterial();
+  material.side = surface.side;
+  material.geometry = surface.geometry;
+  material.atlas = kFirstVdimAtlas;  // nothing refines it later
+  material.value_scale = surface.value_scale;
+  return material;
+}
+
+// The sun's map follows what streams in, level by level, and rests when nothing does.
+TEST_F(Relief, KeepsTheShadowMapUpToDateWhileStreaming) {
+  Scene scene = sceneUnder({0.02f, 0, 1});
+  scene.assets[0].embedded = std::move(*serializeAsset(fusedRidges()));
+  addChip(scene, {0.75f * kPeriod, 0, -0.5f * kDepth}, {0.015f, 0.015f});
+  auto materials = makeMaterials({.upload_bytes_per_frame = 4096});
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.parallax_depth = true;
+  settings.tone = ToneCurve::kClip;
+  Camera camera;
+  camera.position = {0.75f * kPeriod, 0, 1};
+  camera.target = {0.75f * kPeriod, 0, 0};
+  camera.up = {0, 1, 0};
+  camera.fov_degrees = 10;
+  const RenderTarget target = makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
+  const auto draw = [&](FrameRenderer& with) {
+    with.prepare(makeView(camera, target.size), settings);
+    materials->update(0.1f);
+    EXPECT_TRUE(with.draw({target.framebuffer.name(), target.size}).ok());
+    return with.stats().depth_draw_calls;
+  };
+  const int prepass = 2, all = 4;  // draws: two objects, in the pre-pass and in the map
+  uint64_t revision = ~0ull;
+  int resting = 0;  // frames; some are drawn while parts arrive and fade in
+  for (int frame = 0; frame < 100000 && resting < 20; ++frame) {
+    if (frame % 32 == 0) {
+      draw(**renderer);
+    } else {
+      (*renderer)->prepare(makeView(camera, target.size), settings);
+      materials->update(0.1f);
+    }
+    resting = materials->stats().parts_resident > 2 && materials->reliefRevision() == revision ? resting + 1 : 0;
+    revision = materials->reliefRevision();
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
+  draw(**renderer);
+  EXPECT_EQ(draw(**renderer), prepass) << "redrawn although nothing changes";
+  const auto streamed = readLinear(target);
+  settings.base_materials_only = true;
+  EXPECT_EQ(draw(**renderer), all) << "without the relief it is another map";
+  settings.base_materials_only = false;
+  settings.lambda = 9;
+  EXPECT_EQ(draw(**renderer), all) << "at another level too";
+  settings.lambda.reset();
+  EXPECT_EQ(draw(**renderer), all);
+  EXPECT_TRUE(readLinear(target) == streamed) << "what was drawn while parts arrived is out of date";
 }
 
 // A chip above the tile: its shadow has no gap and lies where geometry puts it, on a ridge and in a valley.

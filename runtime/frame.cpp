@@ -61,27 +61,39 @@ GlBuffer makeFrameUniforms(const char* label) {
   return makeBuffer(sizeof(SceneFrame), {}, GL_DYNAMIC_STORAGE_BIT, label);
 }
 
-// What every pass relies on; the caller's state is restored by GlDrawStateScope.
+void setViewport(glm::ivec2 size) { glViewportIndexedf(0, 0, 0, float(size.x), float(size.y)); }
+
+void setColorMask(GLboolean write) { glColorMaski(0, write, write, write, write); }
+
+// What every pass relies on; the caller's state is restored by GlDrawStateScope, which must know all of it. Of draw buffers and
+// viewports only the first is used, and set.
 void setPassState() {
-  glDisable(GL_BLEND);
-  glDisable(GL_SCISSOR_TEST);
+  glDisablei(GL_BLEND, 0);
+  glDisablei(GL_SCISSOR_TEST, 0);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_DEPTH_CLAMP);
   glDisable(GL_RASTERIZER_DISCARD);
   glDisable(GL_COLOR_LOGIC_OP);
   glDisable(GL_PRIMITIVE_RESTART);
+  glDisable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_SAMPLE_COVERAGE);
+  glDisable(GL_SAMPLE_MASK);
+  glDisable(GL_SAMPLE_SHADING);
   glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_POLYGON_SMOOTH);
+  for (GLuint plane = 0; plane < 8; ++plane) glDisable(GL_CLIP_DISTANCE0 + plane);
   glEnable(GL_MULTISAMPLE);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
-  glDepthRange(0, 1);
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  glDepthRangeIndexed(0, 0, 1);
   glClearDepth(1);
   glCullFace(GL_BACK);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  setColorMask(GL_TRUE);
   glBindSampler(SCENE_UNIT_SHADOW, 0);
 }
 
@@ -222,7 +234,7 @@ Status FrameRenderer::Impl::drawShadowMap() {
   const GlDebugGroup group("sun shadow");
   if (!shadow.depth) shadow = makeShadowMap();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow.framebuffer.name());
-  glViewport(0, 0, ShadowMap::kSide, ShadowMap::kSide);
+  setViewport(glm::ivec2(ShadowMap::kSide));
   glClear(GL_DEPTH_BUFFER_BIT);
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, shadow_uniforms.name());
   glEnable(GL_POLYGON_OFFSET_FILL);
@@ -240,13 +252,13 @@ Status FrameRenderer::Impl::drawShadowMap() {
 Status FrameRenderer::Impl::drawDepth() {
   if (!settings.depth_prepass) return {};
   const GlDebugGroup group("depth pre-pass");
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  setColorMask(GL_FALSE);
   for (const Drawable& drawable : visible) {
     if (Status status = useDepthProgram(drawable.object); !status) return status;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
   }
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  setColorMask(GL_TRUE);
   return {};
 }
 
@@ -293,7 +305,7 @@ Status FrameRenderer::Impl::drawShaded() {
 
 Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
-  glViewport(0, 0, target.size.x, target.size.y);
+  setViewport(target.size);
   glClearColor(settings.background.r, settings.background.g, settings.background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, frame_uniforms.name());

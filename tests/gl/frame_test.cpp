@@ -91,17 +91,26 @@ TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {
   ASSERT_TRUE(renderer.ok());
   const std::vector<glm::vec4> expected = picture(**renderer, *materials);
   for (const GLenum state : {GL_DEPTH_CLAMP, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART,
-                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL}) {
+                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE7,
+                             GL_SAMPLE_MASK, GL_SAMPLE_COVERAGE, GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) {
     glEnable(state);
     glLogicOp(GL_INVERT);
     glPrimitiveRestartIndex(1);
     glPolygonOffset(100, 1000);
+    glSampleMaski(0, 0);
+    glSampleCoverage(0, GL_FALSE);
+    glScissor(0, 0, 1, 1);
+    glBlendFunc(GL_ZERO, GL_ONE);
+    glStencilFunc(GL_NEVER, 0, 0);
     EXPECT_TRUE(picture(**renderer, *materials) == expected) << std::hex << state;
     glDisable(state);
   }
   glDepthRange(0.5, 0.5);
   EXPECT_TRUE(picture(**renderer, *materials) == expected) << "depth range";
   glDepthRange(0, 1);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  EXPECT_TRUE(picture(**renderer, *materials) == expected) << "clip control, as for reversed depth";
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   GLuint sampler = 0;  // without depth comparison
   glCreateSamplers(1, &sampler);
   for (GLuint unit = 0; unit <= SCENE_UNIT_SHADOW; ++unit) glBindSampler(unit, sampler);

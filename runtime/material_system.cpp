@@ -79,7 +79,10 @@ struct MaterialSystem::Impl {
 
   void takeDeliveries();
   void pumpUploads();
-  bool pumpJob(UploadJob& job, uint64_t& budget);
+  enum class Pumped { kUnderWay, kComplete, kNoMemory };
+  Pumped pumpJob(UploadJob& job, uint64_t& budget);
+  bool allocateNext(UploadJob& job);
+  void fail(PartRef ref, Issue issue);
   void finishJob(UploadJob& job);
   void evict(PartRef ref);
   void request(PartRef ref);
@@ -254,41 +257,54 @@ void MaterialSystem::Impl::takeDeliveries() {
       uploads.push_back({delivery.ticket, std::move(*delivery.part), {}, {}});
       continue;
     }
-    Issue issue = delivery.part.issue();
-    issue.severity = Severity::kWarning;
-    issue.text += "; a coarser level is shown instead";
-    device->log(issue);
-    ++stats.failed_parts;
-    residency.failed(delivery.ticket.ref);
+    fail(delivery.ticket.ref, delivery.part.issue());
   }
+}
+
+void MaterialSystem::Impl::fail(PartRef ref, Issue issue) {
+  issue.severity = Severity::kWarning;
+  issue.text += "; a coarser level is shown instead";
+  device->log(issue);
+  ++stats.failed_parts;
+  residency.failed(ref);
 }
 
 void MaterialSystem::Impl::pumpUploads() {
   const uint64_t bound = std::max<uint64_t>(options.upload_bytes_per_frame, 1);  // a step uploads a row at least
   uint64_t budget = bound;
-  while (!uploads.empty() && pumpJob(uploads.front(), budget)) {
-    finishJob(uploads.front());
+  while (!uploads.empty()) {
+    UploadJob& job = uploads.front();
+    const Pumped pumped = pumpJob(job, budget);
+    if (pumped == Pumped::kUnderWay) break;
+    if (pumped == Pumped::kComplete)
+      finishJob(job);
+    else
+      fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name, "the driver has no memory for a texture"});
     uploads.pop_front();
   }
   stats.uploaded_last_frame = bound - budget;
   stats.uploaded_bytes += stats.uploaded_last_frame;
 }
 
-// True when all textures of the part are complete.
-bool MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
+MaterialSystem::Impl::Pumped MaterialSystem::Impl::pumpJob(UploadJob& job, uint64_t& budget) {
   while (budget > 0) {
-    if (job.textures.empty()) {
-      const PartTexture& first = job.part.textures.front();
-      job.textures.push_back(allocateTexture(first, slots[job.ticket.ref.slot].name + " " + first.label));
-    }
+    if (job.textures.empty() && !allocateNext(job)) return Pumped::kNoMemory;
     const PartTexture& part = job.part.textures[job.textures.size() - 1];
     if (!job.upload.step(part, job.textures.back().name(), budget)) continue;
-    if (job.textures.size() == job.part.textures.size()) return true;
-    const PartTexture& next = job.part.textures[job.textures.size()];
-    job.textures.push_back(allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label));
-    job.upload = {};
+    if (job.textures.size() == job.part.textures.size()) return Pumped::kComplete;
+    if (!allocateNext(job)) return Pumped::kNoMemory;
   }
-  return false;
+  return Pumped::kUnderWay;
+}
+
+// False if there is no memory.
+bool MaterialSystem::Impl::allocateNext(UploadJob& job) {
+  const PartTexture& next = job.part.textures[job.textures.size()];
+  GlTexture texture = allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label);
+  if (!texture) return false;
+  job.textures.push_back(std::move(texture));
+  job.upload = {};
+  return true;
 }
 
 void MaterialSystem::Impl::finishJob(UploadJob& job) {

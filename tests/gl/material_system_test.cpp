@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "material/issues.h"
+#include "runtime/gl_texture.h"
 #include "runtime/material_data.h"
 #include "runtime/material_parts.h"
 #include "tests/gl/gl_fixture.h"
@@ -314,6 +315,21 @@ TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {
     EXPECT_GT(drawMaterial(*system, *id, 0)[0].y, 0);
   }
   messages.clear();
+}
+
+TEST_F(MaterialSystemTest, NoticesThatTheDriverHasNoMemory) {
+  const Capabilities& gl = device->capabilities();
+  PartTexture part{0, Sampling::kRepeatNearest, false, "huge", {}};
+  part.texels.format = TexelFormat::kRGBA32Sfloat;
+  part.texels.shape = TextureShape::kArray2D;
+  part.texels.width = part.texels.height = gl.max_texture_side;
+  part.texels.depth = gl.max_array_layers;  // terabytes
+  part.texels.mips = 1;
+  EXPECT_FALSE(allocateTexture(part, "huge"));
+  while (glGetError() != GL_NO_ERROR) {}
+  messages.clear();  // the driver may say so too
+  part.texels.width = part.texels.height = part.texels.depth = 4;
+  EXPECT_TRUE(allocateTexture(part, "small"));
 }
 
 TEST_F(MaterialSystemTest, UnloadsWhileLoading) {

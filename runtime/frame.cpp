@@ -340,14 +340,19 @@ void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {
 
 Status FrameRenderer::draw(const FrameTarget& target) {
   Impl& self = *impl_;
+  if (target.size.x < 1 || target.size.y < 1) return {};  // a minimised window
   const GlDrawStateScope scope(kUnits, kUniformBindings);
   self.uploadUniforms();
   setPassState();
   if (Status status = self.drawShadowMap(); !status) return status;
 
   const bool sampled = self.settings.samples > 1;
-  if (sampled && (self.multisample.size != target.size || self.multisample.samples != self.settings.samples))
-    self.multisample = makeMultisampleTarget(target.size, self.settings.samples);
+  if (sampled && !fits(self.multisample, target.size, self.settings.samples, target.framebuffer)) {
+    self.multisample = {};
+    Result<MultisampleTarget> made = makeMultisampleTarget(target.size, self.settings.samples, target.framebuffer);
+    if (!made) return made.issue();
+    self.multisample = std::move(made.value());
+  }
   const FrameTarget view = sampled ? FrameTarget{self.multisample.framebuffer.name(), target.size} : target;
   if (Status status = self.drawView(view); !status) return status;
   if (sampled) resolve(self.multisample, target.framebuffer);

@@ -1,6 +1,7 @@
 // The frame renderer's engine manners: it leaves GL state alone and draws the same after a lost context.
 #include <epoxy/gl.h>
 
+#include "material/issues.h"
 #include "runtime/frame.h"
 #include "runtime/mesh_analytic.h"
 #include "shaders/scene_shared.h"
@@ -116,6 +117,49 @@ TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {
   for (GLuint unit = 0; unit <= SCENE_UNIT_SHADOW; ++unit) glBindSampler(unit, sampler);
   EXPECT_TRUE(picture(**renderer, *materials) == expected) << "samplers";
   glDeleteSamplers(1, &sampler);
+}
+
+// Several samples change silhouettes, not what the target can hold.
+TEST_F(FrameTest, KeepsBrightnessAboveOneWithSeveralSamples) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.tone = ToneCurve::kClip;
+  settings.background = glm::vec3(4, 0.001f, 2);
+  Camera away;
+  away.position = {0, 0, 2};
+  away.target = {0, 0, 4};
+  for (const ColorFormat format : {ColorFormat::kLinear32, ColorFormat::kSrgb8, ColorFormat::kLinear16}) {
+    const RenderTarget target = makeRenderTarget({16, 16}, format, "frame");
+    std::vector<glm::vec4> pixels[2];
+    for (const int samples : {1, 4}) {
+      settings.samples = samples;
+      (*renderer)->prepare(makeView(away, target.size), settings);
+      ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+      pixels[samples / 4] = readLinear(target);
+    }
+    EXPECT_TRUE(pixels[0] == pixels[1]) << int(format);
+  }
+}
+
+TEST_F(FrameTest, SaysWhereATargetCannotBe) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  const RenderTarget target = makeRenderTarget({16, 16}, ColorFormat::kSrgb8, "frame");
+  FrameSettings settings;
+  settings.samples = 4;
+  (*renderer)->prepare(viewOf(target.size), settings);
+  EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), {0, 0}}).ok()) << "a minimised window";
+  const Status huge = (*renderer)->draw({target.framebuffer.name(), {1 << 20, 1 << 20}});
+  ASSERT_FALSE(huge.ok());
+  EXPECT_EQ(huge.issue().id, issue_id::kMemory);
+  while (glGetError() != GL_NO_ERROR) {}
+  messages.clear();  // the driver says so too
+  EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok()) << "and goes on";
 }
 
 TEST_F(FrameTest, LightsAMeshThatItsTransformFlattens) {

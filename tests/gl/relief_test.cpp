@@ -19,6 +19,7 @@ using namespace runtime;
 
 constexpr float kPeriod = 0.125f, kDepth = 0.1f * kPeriod;  // metres
 constexpr glm::ivec2 kSize{96, 96};
+constexpr glm::vec3 kBackground{0, 0, 1};  // as nothing in the scenes
 
 // Ridges along y: high where fract(x) < .5, 0.1 periods lower elsewhere. White and matte.
 Material ridges() {
@@ -62,8 +63,8 @@ void addChip(Scene& scene, const glm::vec3& centre, const glm::vec2& half) {
 
 class Relief : public GlTest {
  protected:
-  Scene sceneUnder(const glm::vec3& to_sun) {
-    Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::normalize(to_sun));
+  Scene sceneUnder(const glm::vec3& to_sun, SurfaceKind kind = SurfaceKind::kPlane) {
+    Scene scene = analyticScene(kind, {}, glm::normalize(to_sun));
     scene.assets[0].embedded = std::move(*serializeAsset(ridges()));
     scene.assets[0].name = "ridges";
     return scene;
@@ -80,7 +81,8 @@ class Relief : public GlTest {
     settings.shadows = shadows;
     settings.depth_prepass = depth_prepass;
     settings.tone = ToneCurve::kClip;
-    settings.sky_ambient = settings.ground_ambient = settings.background = glm::vec3(0);
+    settings.sky_ambient = settings.ground_ambient = glm::vec3(0);
+    settings.background = kBackground;
     Camera camera;
     camera.position = {centre, 0, 1};
     camera.target = {centre, 0, 0};
@@ -213,6 +215,25 @@ TEST_F(Relief, KeepsTheShadowMapUpToDateWhileStreaming) {
   settings.lambda.reset();
   EXPECT_EQ(draw(**renderer), all);
   EXPECT_TRUE(readLinear(target) == streamed) << "what was drawn while parts arrived is out of date";
+}
+
+// At silhouettes of a curved relief some of a fragment's evaluations miss it, and the others show it: what stands behind
+// is neither hidden by nothing nor shown through.
+TEST_F(Relief, LeavesNoHolesAtCurvedSilhouettes) {
+  for (const float side : {0.44f, 0.5f}) {
+    Scene scene = sceneUnder({1, 0.1f, 0.6f}, SurfaceKind::kSphere);
+    addChip(scene, {0, 0, -3}, {9, 9});
+    const auto with = picture(scene, false, side), without = picture(scene, false, side, false);
+    int holes = 0, differ = 0, relief = 0;
+    for (size_t i = 0; i < with.size(); ++i) {
+      holes += glm::vec3(with[i]) == kBackground;
+      differ += glm::distance(with[i], without[i]) > 1e-5f;
+      relief += with[i].g > 0.05f;
+    }
+    EXPECT_GT(relief, int(with.size()) / 5) << "the silhouette is out of view";
+    EXPECT_EQ(holes, 0);
+    EXPECT_EQ(differ, 0) << "from what is drawn without a pre-pass";
+  }
 }
 
 // A chip above the tile: its shadow has no gap and lies where geometry puts it, on a ridge and in a valley.

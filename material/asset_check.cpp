@@ -335,6 +335,8 @@ void checkPartTexels(const Material& material, const Part& part, const std::stri
     }
   }
   if (part.type == kBand) checkSpareLayers(material.bands[part.band], place, issues);
+  if (part.type == kGeom)
+    if (Status status = checkVdimWork(material.geometry, material.atlas); !status) issues.add(kMapField, place, status.issue().text);
 }
 
 void checkMeta(const std::string& text, IssueList& issues) {

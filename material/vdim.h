@@ -10,6 +10,7 @@
 
 #include "material/directions.h"
 #include "material/packed_geometry.h"
+#include "material/result.h"
 #include "material/texture.h"
 
 namespace loden {
@@ -68,7 +69,16 @@ template <class T>
 glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo);
 glm::dvec3 vdimViewFromSquare(glm::dvec2 square);
 
-// Built with `threads` threads (0: all); the result does not depend on their number.
+// Bounds on what building an atlas costs, in visits of a patch that covers no sample, and in surface patches per column of the
+// search for the nearest one. A torn image could need hours.
+inline constexpr uint64_t kMaxVdimWork = uint64_t{1} << 32;
+inline constexpr uint64_t kMaxVdimColumn = uint64_t{1} << 18;
+// Whether an atlas of that size may be built from the image; what it costs is estimated in one pass over the patches.
+// Issues: kMapField.
+Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size);
+
+// Built with `threads` threads (0: all); the result does not depend on their number. An image from elsewhere must have
+// passed checkVdimWork.
 VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads = 0);
 // VdimAtlas::depth alone.
 Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads = 0);

@@ -7,12 +7,16 @@
 #include <thread>
 
 #include "material/check.h"
+#include "material/issues.h"
 #include "material/vdim.h"
 
 namespace loden {
 namespace {
 
 constexpr int kVolumeSide = 32, kVolumeDepth = 8;
+
+// Neighbouring texels so many periods apart in x or y are a tear in a damaged image, not surface.
+constexpr double kTear = 0.5;
 
 // atanh(sin(kThetaMax)): the radius of the rim before scaling to 1.
 double rimRadius() {
@@ -57,9 +61,15 @@ class ShearedPatches {
     for (size_t begin = 0; begin < count(); begin += kBlock) {
       findSpans(corners_[0], begin, float(slope.x), float(side), columns);
       findSpans(corners_[1], begin, float(slope.y), float(side), rows);
+      std::array<uint8_t, kBlock> covers;
+      for (size_t k = 0; k < kBlock; ++k) covers[k] = (columns.begin[k] < columns.end[k]) & (rows.begin[k] < rows.end[k]);
       for (size_t k = 0; k < kBlock; ++k) {
-        if (columns.begin[k] >= columns.end[k] || rows.begin[k] >= rows.end[k]) continue;
+        if (!covers[k]) continue;
         const Samples samples{{columns.begin[k], rows.begin[k]}, {columns.end[k], rows.end[k]}, side, 1.0 / side};
+        if (samples.end.x - samples.begin.x > kNarrow) [[unlikely]] {
+          drawWide(begin + k, slope, samples, z);
+          continue;
+        }
         const std::array<glm::dvec3, 4> p = sheared(begin + k, slope);
         drawTriangle(p[0], p[1], p[2], samples, z);
         drawTriangle(p[0], p[2], p[3], samples, z);
@@ -70,6 +80,9 @@ class ShearedPatches {
  private:
   static constexpr size_t kBlock = 64;
   using Corners = std::array<std::vector<float>, 4>;  // around the patch
+  static constexpr double kSeam = 1e-9;  // closes the seams between neighbours
+  static constexpr int kNarrow = 8;      // samples that are tested sooner than left out
+  static constexpr double kFar = 1e6;    // samples; farther than any triangle
   struct Spans {
     std::array<int, kBlock> begin, end;  // of samples
   };
@@ -81,9 +94,7 @@ class ShearedPatches {
 
   size_t count() const { return corners_[0][0].size(); }
 
-  // Neighbouring texels half a period apart are a tear in a damaged image, not surface.
   void add(const std::array<glm::dvec3, 4>& corners) {
-    constexpr double kTear = 0.5;
     for (const glm::dvec3& corner : corners) {
       const glm::dvec2 edge = glm::abs(glm::dvec2(corner - corners[0]));
       if (std::max(edge.x, edge.y) >= kTear) return;
@@ -118,7 +129,6 @@ class ShearedPatches {
 
   static void drawTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Samples& samples,
                            std::vector<double>& z) {
-    constexpr double kSeam = 1e-9;
     const glm::dvec3 ab = b - a, ac = c - a;
     const double det = ab.x * ac.y - ab.y * ac.x;
     if (std::abs(det) < 1e-18) return;
@@ -132,6 +142,46 @@ class ShearedPatches {
         double& highest = z[size_t(wrap(j, samples.side) * samples.side + wrap(i, samples.side))];
         highest = std::max(highest, a.z + u * ab.z + v * ac.z);
       }
+  }
+
+  [[gnu::noinline]] void drawWide(size_t patch, const glm::dvec2& slope, const Samples& samples, std::vector<double>& z) const {
+    const std::array<glm::dvec3, 4> p = sheared(patch, slope);
+    drawSliver(p[0], p[1], p[2], samples, z);
+    drawSliver(p[0], p[2], p[3], samples, z);
+  }
+
+  // As drawTriangle row by row, of each no more than the triangle can cover and a sample at either end: a steep triangle seen from the
+  // side is a sliver across many periods, and the box around it nearly empty.
+  static void drawSliver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Samples& samples,
+                         std::vector<double>& z) {
+    const glm::dvec2 ab = b - a, ac = c - a;
+    const double det = ab.x * ac.y - ab.y * ac.x;
+    const glm::dvec2 edges[3] = {{ac.y, -ac.x}, {-ab.y, ab.x}, {ab.y - ac.y, ac.x - ab.x}};
+    // Where the edges cross row j, in samples: at + change * j.
+    struct Crossing {
+      double at, change;
+    };
+    std::array<Crossing, 2> left, right;
+    left.fill({double(samples.begin.x), 0});
+    right.fill({double(samples.end.x), 0});
+    size_t lefts = 0, rights = 0;
+    for (int e = 0; e < 3; ++e) {
+      constexpr double kFlat = 1e-6;  // such an edge crosses rows nowhere in particular
+      if (std::abs(edges[e].x) <= kFlat * std::abs(edges[e].y)) continue;
+      const glm::dvec2 from = glm::dvec2(e == 2 ? b : a) / samples.spacing - 0.5;
+      const double change = -edges[e].y / edges[e].x;
+      const Crossing crossing{from.x - change * from.y, change};
+      if (edges[e].x * det > 0) left[lefts++] = crossing;
+      else right[rights++] = crossing;
+    }
+    for (int j = samples.begin.y; j < samples.end.y; ++j) {
+      const auto crosses = [j](const Crossing& crossing) { return crossing.at + crossing.change * j; };
+      const double begin = std::max(crosses(left[0]), crosses(left[1])) - 1, end = std::min(crosses(right[0]), crosses(right[1])) + 2;
+      Samples row = samples;
+      row.begin = {std::max(row.begin.x, static_cast<int>(std::max(begin, -kFar))), j};
+      row.end = {std::min(row.end.x, static_cast<int>(std::min(end, kFar))), j + 1};
+      if (row.begin.x < row.end.x) drawTriangle(a, b, c, row, z);
+    }
   }
   static int wrap(int i, int n) { return (i % n + n) % n; }
 
@@ -149,17 +199,22 @@ void drawLayer(const ShearedPatches& patches, const VdimAtlasSize& size, double 
     codes[k] = static_cast<uint8_t>(std::lround(255 * std::clamp(1 - z[k] / z_min, 0.0, 1.0)));
 }
 
+// Columns of the volume over one period, by a cell's indices of any period, and by a place.
+int columnCell(double at) { return static_cast<int>(std::floor(at * kVolumeSide)); }
+size_t column(int x, int y) { return size_t(y & (kVolumeSide - 1)) * kVolumeSide + size_t(x & (kVolumeSide - 1)); }
+size_t columnAt(const glm::dvec3& place) { return column(columnCell(place.x), columnCell(place.y)); }
+
 // Surface points in columns over one period, to find the one nearest to a place.
 class PointColumns {
  public:
-  explicit PointColumns(const GeometryImage& image) : columns_(size_t(kSide) * kSide) {
+  explicit PointColumns(const GeometryImage& image) : columns_(size_t(kVolumeSide) * kVolumeSide) {
     const int n = image.side();
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const Patch<double> patch = fetchPatch<double>(image, i, j);
         if (patch.chart == 0) continue;
         const glm::dvec3 at = 0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11);
-        columns_[column(cell(at.x), cell(at.y))].push_back({at, glm::dvec2((i + 1.0) / n, (j + 1.0) / n)});
+        columns_[columnAt(at)].push_back({at, glm::dvec2((i + 1.0) / n, (j + 1.0) / n)});
         empty_ = false;
       }
   }
@@ -169,12 +224,12 @@ class PointColumns {
   // than what was found.
   glm::dvec2 nearestDisplacement(const glm::dvec3& place) const {
     Nearest best;
-    for (int ring = 0; ring <= kSide / 2; ++ring) {
-      const double beyond = std::max(ring - 1, 0) / double(kSide);
+    for (int ring = 0; ring <= kVolumeSide / 2; ++ring) {
+      const double beyond = std::max(ring - 1, 0) / double(kVolumeSide);
       if (best.point && beyond * beyond > best.distance) break;
       for (int y = -ring; y <= ring; ++y) {
         const int step = std::abs(y) == ring ? 1 : std::max(2 * ring, 1);  // the ring's border alone
-        for (int x = -ring; x <= ring; x += step) search(cell(place.x) + x, cell(place.y) + y, place, best);
+        for (int x = -ring; x <= ring; x += step) search(columnCell(place.x) + x, columnCell(place.y) + y, place, best);
       }
     }
     const glm::dvec2 displacement = best.point->p - glm::dvec2(best.point->position);
@@ -182,7 +237,6 @@ class PointColumns {
   }
 
  private:
-  static constexpr int kSide = 32;
   struct Point {
     glm::dvec3 position;
     glm::dvec2 p;
@@ -191,8 +245,6 @@ class PointColumns {
     const Point* point = nullptr;
     double distance = 1e30;  // squared
   };
-  static int cell(double at) { return static_cast<int>(std::floor(at * kSide)); }
-  static size_t column(int x, int y) { return size_t(y & (kSide - 1)) * kSide + size_t(x & (kSide - 1)); }
 
   // Of points at one distance the lower p wins, so that the order of the search does not matter.
   void search(int x, int y, const glm::dvec3& place, Nearest& best) const {
@@ -228,6 +280,32 @@ Texture buildVolume(const GeometryImage& image, int threads) {
 }
 
 }  // namespace
+
+// Per view a patch is two slivers: so many rows of samples high as its edges and its height, seen at the slope, are long, and
+// so many samples wide as its edges. `kSlope` is the mean of the grid's views along an axis, rounded up; a row costs kRow times
+// what a patch does that covers no sample.
+Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size) {
+  constexpr double kSlope = 4, kRow = 8;
+  const int n = image.side();
+  double work = 0;
+  std::array<uint32_t, size_t{kVolumeSide} * kVolumeSide> columns{};
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const Patch<double> patch = fetchPatch<double>(image, i, j);
+      if (patch.chart == 0) continue;
+      const auto apart = [&](const glm::dvec3& corner) { return glm::abs(corner - patch.p00); };
+      const glm::dvec3 most = glm::max(apart(patch.p10), glm::max(apart(patch.p01), apart(patch.p11)));
+      const double across = std::max(most.x, most.y);
+      if (across < kTear) work += (kRow * size.texels * (across + kSlope * most.z) + 1) * (size.texels * across + 1);
+      ++columns[columnAt(0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11))];
+    }
+  work *= double(size.directions) * size.directions;
+  const auto issue = [](const char* text) { return Issue{issue_id::kMapField, Severity::kError, "geometry image", text}; };
+  if (work > double(kMaxVdimWork)) return issue("its surface is torn in so many places that an atlas of this size would take minutes to build");
+  if (!image.identity_parameterization && *std::max_element(columns.begin(), columns.end()) > kMaxVdimColumn)
+    return issue("nearly all of its surface is in one place");
+  return {};
+}
 
 uint64_t vdimDepthBytes(VdimAtlasSize size) {
   const auto square = [](int side) { return uint64_t(side) * uint64_t(side); };

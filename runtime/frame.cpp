@@ -19,6 +19,14 @@ namespace {
 constexpr int kUnits = SCENE_UNIT_SHADOW + 1;
 constexpr int kUniformBindings = SCENE_BLOCK_OBJECT + 1;
 
+// The relief in the sun's shadow map. Neither sun nor objects move: nothing else changes it.
+struct ShadowRelief {
+  bool shown = false;  // else all objects are as their meshes are, and the rest is as here
+  uint64_t revision = 0;  // MaterialSystem::reliefRevision
+  std::optional<float> lambda;
+  friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
+};
+
 // A visible object.
 struct Drawable {
   int object = 0;
@@ -53,27 +61,39 @@ GlBuffer makeFrameUniforms(const char* label) {
   return makeBuffer(sizeof(SceneFrame), {}, GL_DYNAMIC_STORAGE_BIT, label);
 }
 
-// What every pass relies on; the caller's state is restored by GlDrawStateScope.
+void setViewport(glm::ivec2 size) { glViewportIndexedf(0, 0, 0, float(size.x), float(size.y)); }
+
+void setColorMask(GLboolean write) { glColorMaski(0, write, write, write, write); }
+
+// What every pass relies on; the caller's state is restored by GlDrawStateScope, which must know all of it. Of draw buffers and
+// viewports only the first is used, and set.
 void setPassState() {
-  glDisable(GL_BLEND);
-  glDisable(GL_SCISSOR_TEST);
+  glDisablei(GL_BLEND, 0);
+  glDisablei(GL_SCISSOR_TEST, 0);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_DEPTH_CLAMP);
   glDisable(GL_RASTERIZER_DISCARD);
   glDisable(GL_COLOR_LOGIC_OP);
   glDisable(GL_PRIMITIVE_RESTART);
+  glDisable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_SAMPLE_COVERAGE);
+  glDisable(GL_SAMPLE_MASK);
+  glDisable(GL_SAMPLE_SHADING);
   glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_POLYGON_SMOOTH);
+  for (GLuint plane = 0; plane < 8; ++plane) glDisable(GL_CLIP_DISTANCE0 + plane);
   glEnable(GL_MULTISAMPLE);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
-  glDepthRange(0, 1);
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  glDepthRangeIndexed(0, 0, 1);
   glClearDepth(1);
   glCullFace(GL_BACK);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  setColorMask(GL_TRUE);
   glBindSampler(SCENE_UNIT_SHADOW, 0);
 }
 
@@ -85,8 +105,7 @@ struct FrameRenderer::Impl {
   GpuScene scene;
   GlBuffer frame_uniforms, shadow_uniforms;
   ShadowMap shadow;
-  bool shadow_drawn = false, shadow_relief = false;
-  uint64_t shadow_revision = 0;  // of the materials' geometry
+  std::optional<ShadowRelief> shadow_drawn;
   MultisampleTarget multisample;
 
   View view;
@@ -103,7 +122,7 @@ struct FrameRenderer::Impl {
   void uploadUniforms();
   void drawObject(int object) const;
   bool movesDepth(MaterialId id) const;
-  bool shadowIsCurrent() const;
+  ShadowRelief shadowRelief() const;
   Status useDepthProgram(int object);
   Status drawShadowMap();
   Status drawDepth();
@@ -193,10 +212,9 @@ void FrameRenderer::Impl::drawObject(int index) const {
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
 }
 
-// Neither sun nor objects move: only a relief that arrives or goes changes the map.
-bool FrameRenderer::Impl::shadowIsCurrent() const {
-  if (!shadow_drawn || shadow_relief != settings.parallax_depth) return false;
-  return !settings.parallax_depth || shadow_revision == materials.geometryRevision();
+ShadowRelief FrameRenderer::Impl::shadowRelief() const {
+  if (!settings.parallax_depth || settings.base_materials_only) return {};
+  return {true, materials.reliefRevision(), settings.lambda};
 }
 
 // The program that draws an object's depth, as the camera or the sun sees it.
@@ -212,11 +230,11 @@ Status FrameRenderer::Impl::useDepthProgram(int object) {
 }
 
 Status FrameRenderer::Impl::drawShadowMap() {
-  if (!scene.sun || !settings.shadows || shadowIsCurrent()) return {};
+  if (!scene.sun || !settings.shadows || shadow_drawn == shadowRelief()) return {};
   const GlDebugGroup group("sun shadow");
   if (!shadow.depth) shadow = makeShadowMap();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow.framebuffer.name());
-  glViewport(0, 0, ShadowMap::kSide, ShadowMap::kSide);
+  setViewport(glm::ivec2(ShadowMap::kSide));
   glClear(GL_DEPTH_BUFFER_BIT);
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, shadow_uniforms.name());
   glEnable(GL_POLYGON_OFFSET_FILL);
@@ -227,22 +245,20 @@ Status FrameRenderer::Impl::drawShadowMap() {
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
   stats.depth_draw_calls += static_cast<int>(scene.objects.size());
-  shadow_drawn = true;
-  shadow_relief = settings.parallax_depth;
-  shadow_revision = materials.geometryRevision();
+  shadow_drawn = shadowRelief();
   return {};
 }
 
 Status FrameRenderer::Impl::drawDepth() {
   if (!settings.depth_prepass) return {};
   const GlDebugGroup group("depth pre-pass");
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  setColorMask(GL_FALSE);
   for (const Drawable& drawable : visible) {
     if (Status status = useDepthProgram(drawable.object); !status) return status;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
   }
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  setColorMask(GL_TRUE);
   return {};
 }
 
@@ -289,7 +305,7 @@ Status FrameRenderer::Impl::drawShaded() {
 
 Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
-  glViewport(0, 0, target.size.x, target.size.y);
+  setViewport(target.size);
   glClearColor(settings.background.r, settings.background.g, settings.background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, frame_uniforms.name());
@@ -308,7 +324,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
   if (!gpu) return gpu.issue();
   auto impl = std::unique_ptr<Impl>(new Impl{shaders, materials, std::move(gpu.value()),
                                              makeFrameUniforms("frame uniforms"), makeFrameUniforms("shadow uniforms"),
-                                             {}, false, false, 0, {}, {}, {}, {}, {}, {}});
+                                             {}, {}, {}, {}, {}, {}, {}, {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
 }
 
@@ -324,14 +340,19 @@ void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {
 
 Status FrameRenderer::draw(const FrameTarget& target) {
   Impl& self = *impl_;
+  if (target.size.x < 1 || target.size.y < 1) return {};  // a minimised window
   const GlDrawStateScope scope(kUnits, kUniformBindings);
   self.uploadUniforms();
   setPassState();
   if (Status status = self.drawShadowMap(); !status) return status;
 
   const bool sampled = self.settings.samples > 1;
-  if (sampled && (self.multisample.size != target.size || self.multisample.samples != self.settings.samples))
-    self.multisample = makeMultisampleTarget(target.size, self.settings.samples);
+  if (sampled && !fits(self.multisample, target.size, self.settings.samples, target.framebuffer)) {
+    self.multisample = {};
+    Result<MultisampleTarget> made = makeMultisampleTarget(target.size, self.settings.samples, target.framebuffer);
+    if (!made) return made.issue();
+    self.multisample = std::move(made.value());
+  }
   const FrameTarget view = sampled ? FrameTarget{self.multisample.framebuffer.name(), target.size} : target;
   if (Status status = self.drawView(view); !status) return status;
   if (sampled) resolve(self.multisample, target.framebuffer);

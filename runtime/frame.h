@@ -27,7 +27,9 @@ struct FrameSettings {
   // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a relief's
   // valleys is seen and lit. Costs a lookup per texel of the shadow map and per pixel of the pre-pass.
   bool parallax_depth = false;
-  int samples = 1;                   // per pixel, for silhouettes; 1, 2, 4 or 8
+  // Per pixel, for silhouettes; 1, 2, 4 or 8. Above 1 the frame is drawn elsewhere and its colour alone resolved into the
+  // target, whose depth is neither cleared nor written.
+  int samples = 1;
   std::optional<float> lambda;       // instead of the footprint's, everywhere
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
@@ -54,7 +56,8 @@ struct FrameStats {
   std::vector<MaterialDemand> demands;  // visible materials only
 };
 
-// Where a frame goes: a framebuffer's GL name (0: the window) and its size in pixels.
+// Where a frame goes: a framebuffer's GL name (0: the window) and its size in pixels. Its first draw buffer is drawn; what
+// others hold afterwards is undefined.
 struct FrameTarget {
   uint32_t framebuffer = 0;
   glm::ivec2 size{0};
@@ -74,7 +77,8 @@ class FrameRenderer {
 
   // Finds what the view sees and demands its materials. No GL call.
   void prepare(const View& view, const FrameSettings& settings);
-  // Draws what was prepared. GL state is as before afterwards. Issues of ShaderLibrary::program.
+  // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of ShaderLibrary::program;
+  // kMemory where the driver has no room for the samples.
   Status draw(const FrameTarget& target);
   // Waits until the GPU has drawn everything; for measuring.
   void finish() const;

@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 
+#include "material/result.h"
 #include "runtime/gl_objects.h"
 
 namespace loden::runtime {
@@ -11,13 +12,17 @@ namespace loden::runtime {
 struct MultisampleTarget {
   glm::ivec2 size{0};
   int samples = 0;
-  GlTexture color, depth;  // RGBA8 sRGB, 32-bit float
+  uint32_t color_format = 0;  // GL's
+  GlTexture color, depth;  // RGBA8 sRGB or as many floating-point bits as the target has; 32-bit float
   GlFramebuffer framebuffer;
 };
-// `samples` is lowered to what the driver can do.
-MultisampleTarget makeMultisampleTarget(glm::ivec2 size, int samples);
+// For resolving into `framebuffer`. `samples` is lowered to what the driver can do. Issues: kMemory, for sizes that it cannot.
+Result<MultisampleTarget> makeMultisampleTarget(glm::ivec2 size, int samples, uint32_t framebuffer);
 
-// Averages the samples into a framebuffer of the same size.
+// Whether it still fits.
+bool fits(const MultisampleTarget& target, glm::ivec2 size, int samples, uint32_t framebuffer);
+
+// Averages the samples into a framebuffer of the same size; its depth stays as it is.
 void resolve(const MultisampleTarget& from, uint32_t framebuffer);
 
 }  // namespace loden::runtime

@@ -2,6 +2,8 @@
 
 #include <epoxy/gl.h>
 
+#include <iterator>
+
 namespace loden::runtime {
 namespace {
 
@@ -22,29 +24,32 @@ constexpr Target kTargets[] = {{GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
                                {GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE},
                                {GL_TEXTURE_1D, GL_TEXTURE_BINDING_1D}};
 
-constexpr GLenum kSwitches[] = {GL_BLEND,          GL_CULL_FACE,         GL_DEPTH_TEST,
-                                GL_SCISSOR_TEST,   GL_STENCIL_TEST,      GL_FRAMEBUFFER_SRGB,
-                                GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP,  GL_RASTERIZER_DISCARD,
-                                GL_MULTISAMPLE,    GL_DITHER,            GL_SAMPLE_ALPHA_TO_COVERAGE,
-                                GL_PRIMITIVE_RESTART, GL_COLOR_LOGIC_OP, GL_TEXTURE_CUBE_MAP_SEAMLESS};
-
-constexpr GLenum kBlend[] = {GL_BLEND_SRC_RGB,   GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,
-                             GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
-
-constexpr GLenum kStencil[] = {GL_STENCIL_FUNC,
-                               GL_STENCIL_REF,
-                               GL_STENCIL_VALUE_MASK,
-                               GL_STENCIL_FAIL,
-                               GL_STENCIL_PASS_DEPTH_FAIL,
-                               GL_STENCIL_PASS_DEPTH_PASS,
-                               GL_STENCIL_WRITEMASK,
-                               GL_STENCIL_BACK_FUNC,
-                               GL_STENCIL_BACK_REF,
-                               GL_STENCIL_BACK_VALUE_MASK,
-                               GL_STENCIL_BACK_FAIL,
-                               GL_STENCIL_BACK_PASS_DEPTH_FAIL,
-                               GL_STENCIL_BACK_PASS_DEPTH_PASS,
-                               GL_STENCIL_BACK_WRITEMASK};
+constexpr GLenum kSwitches[] = {GL_CULL_FACE,
+                                GL_DEPTH_TEST,
+                                GL_STENCIL_TEST,
+                                GL_FRAMEBUFFER_SRGB,
+                                GL_POLYGON_OFFSET_FILL,
+                                GL_POLYGON_SMOOTH,
+                                GL_DEPTH_CLAMP,
+                                GL_RASTERIZER_DISCARD,
+                                GL_MULTISAMPLE,
+                                GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                GL_SAMPLE_COVERAGE,
+                                GL_SAMPLE_MASK,
+                                GL_SAMPLE_SHADING,
+                                GL_PRIMITIVE_RESTART,
+                                GL_PRIMITIVE_RESTART_FIXED_INDEX,
+                                GL_COLOR_LOGIC_OP,
+                                GL_CLIP_DISTANCE0,
+                                GL_CLIP_DISTANCE1,
+                                GL_CLIP_DISTANCE2,
+                                GL_CLIP_DISTANCE3,
+                                GL_CLIP_DISTANCE4,
+                                GL_CLIP_DISTANCE5,
+                                GL_CLIP_DISTANCE6,
+                                GL_CLIP_DISTANCE7};
+// Of the first draw buffer, and the first viewport.
+constexpr GLenum kIndexedSwitches[] = {GL_BLEND, GL_SCISSOR_TEST};
 
 GLint integer(GLenum name) {
   GLint value = 0;
@@ -53,15 +58,7 @@ GLint integer(GLenum name) {
 }
 
 void setSwitch(GLenum name, bool on) { on ? glEnable(name) : glDisable(name); }
-
-void restoreStencil(std::span<const int32_t> s) {
-  glStencilFuncSeparate(GL_FRONT, GLenum(s[0]), s[1], GLuint(s[2]));
-  glStencilOpSeparate(GL_FRONT, GLenum(s[3]), GLenum(s[4]), GLenum(s[5]));
-  glStencilMaskSeparate(GL_FRONT, GLuint(s[6]));
-  glStencilFuncSeparate(GL_BACK, GLenum(s[7]), s[8], GLuint(s[9]));
-  glStencilOpSeparate(GL_BACK, GLenum(s[10]), GLenum(s[11]), GLenum(s[12]));
-  glStencilMaskSeparate(GL_BACK, GLuint(s[13]));
-}
+void setFirstSwitch(GLenum name, bool on) { on ? glEnablei(name, 0) : glDisablei(name, 0); }
 
 }  // namespace
 
@@ -95,22 +92,20 @@ GlDrawStateScope::GlDrawStateScope(int units, int uniform_bindings) {
     glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, GLuint(i), &u.size);
   }
   for (GLenum name : kSwitches) enabled_.push_back(glIsEnabled(name));
+  for (GLenum name : kIndexedSwitches) enabled_.push_back(glIsEnabledi(name, 0));
   program_ = integer(GL_CURRENT_PROGRAM);
   pipeline_ = integer(GL_PROGRAM_PIPELINE_BINDING);
   vertex_array_ = integer(GL_VERTEX_ARRAY_BINDING);
   array_buffer_ = integer(GL_ARRAY_BUFFER_BINDING);
   draw_framebuffer_ = integer(GL_DRAW_FRAMEBUFFER_BINDING);
   read_framebuffer_ = integer(GL_READ_FRAMEBUFFER_BINDING);
-  glGetIntegerv(GL_VIEWPORT, viewport_.data());
-  glGetIntegerv(GL_SCISSOR_BOX, scissor_.data());
-  glGetBooleanv(GL_COLOR_WRITEMASK, color_mask_.data());
+  clip_origin_ = integer(GL_CLIP_ORIGIN);
+  clip_depth_ = integer(GL_CLIP_DEPTH_MODE);
+  glGetFloati_v(GL_VIEWPORT, 0, viewport_.data());
+  glGetBooleani_v(GL_COLOR_WRITEMASK, 0, color_mask_.data());
   glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_.data());
-  glGetFloatv(GL_BLEND_COLOR, blend_color_.data());
-  glGetDoublev(GL_DEPTH_RANGE, depth_range_.data());
+  glGetDoublei_v(GL_DEPTH_RANGE, 0, depth_range_.data());
   glGetDoublev(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
-  for (size_t i = 0; i < blend_.size(); ++i) blend_[i] = integer(kBlend[i]);
-  for (size_t i = 0; i < stencil_.size(); ++i) stencil_[i] = integer(kStencil[i]);
-  clear_stencil_ = integer(GL_STENCIL_CLEAR_VALUE);
   depth_func_ = integer(GL_DEPTH_FUNC);
   cull_face_ = integer(GL_CULL_FACE_MODE);
   front_face_ = integer(GL_FRONT_FACE);
@@ -132,24 +127,21 @@ GlDrawStateScope::~GlDrawStateScope() {
       glBindBufferBase(GL_UNIFORM_BUFFER, GLuint(i), GLuint(u.buffer));
   }
   glBindBuffer(GL_UNIFORM_BUFFER, GLuint(uniform_buffer_));
-  for (size_t i = 0; i < enabled_.size(); ++i) setSwitch(kSwitches[i], enabled_[i] != 0);
+  for (size_t i = 0; i < std::size(kSwitches); ++i) setSwitch(kSwitches[i], enabled_[i] != 0);
+  for (size_t i = 0; i < std::size(kIndexedSwitches); ++i)
+    setFirstSwitch(kIndexedSwitches[i], enabled_[std::size(kSwitches) + i] != 0);
   glUseProgram(GLuint(program_));
   glBindProgramPipeline(GLuint(pipeline_));
   glBindVertexArray(GLuint(vertex_array_));
   glBindBuffer(GL_ARRAY_BUFFER, GLuint(array_buffer_));
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(draw_framebuffer_));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(read_framebuffer_));
-  glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
-  glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
-  glColorMask(color_mask_[0], color_mask_[1], color_mask_[2], color_mask_[3]);
+  glClipControl(GLenum(clip_origin_), GLenum(clip_depth_));
+  glViewportIndexedfv(0, viewport_.data());
+  glColorMaski(0, color_mask_[0], color_mask_[1], color_mask_[2], color_mask_[3]);
   glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
-  glBlendColor(blend_color_[0], blend_color_[1], blend_color_[2], blend_color_[3]);
-  glDepthRange(depth_range_[0], depth_range_[1]);
+  glDepthRangeIndexed(0, depth_range_[0], depth_range_[1]);
   glClearDepth(clear_depth_);
-  glBlendFuncSeparate(GLenum(blend_[0]), GLenum(blend_[1]), GLenum(blend_[2]), GLenum(blend_[3]));
-  glBlendEquationSeparate(GLenum(blend_[4]), GLenum(blend_[5]));
-  restoreStencil(stencil_);
-  glClearStencil(clear_stencil_);
   glDepthFunc(GLenum(depth_func_));
   glCullFace(GLenum(cull_face_));
   glFrontFace(GLenum(front_face_));

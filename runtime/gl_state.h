@@ -22,8 +22,9 @@ class GlPixelStateScope {
   int32_t pack_buffer_ = 0, unpack_buffer_ = 0;
 };
 
-// All the state that drawing a frame touches: framebuffers, viewport, scissor, program, vertex array, buffers,
-// textures and samplers of the first `units` units, depth, stencil, blend, culling, polygon, masks, clears.
+// All the state that drawing a frame sets, and no other: framebuffers, program, vertex array, buffers, textures and samplers of
+// the first `units` units, switches, clip control, depth, culling, polygon, clears; of what is kept per draw buffer or viewport
+// (blending, colour mask, scissor test, viewport, depth range) the first alone, and nothing may set the others.
 class GlDrawStateScope {
  public:
   explicit GlDrawStateScope(int units, int uniform_bindings);
@@ -48,14 +49,11 @@ class GlDrawStateScope {
   std::vector<uint8_t> enabled_;
   int32_t active_texture_ = 0, program_ = 0, pipeline_ = 0, vertex_array_ = 0, array_buffer_ = 0, uniform_buffer_ = 0;
   int32_t draw_framebuffer_ = 0, read_framebuffer_ = 0;
-  std::array<int32_t, 4> viewport_{}, scissor_{};
+  int32_t clip_origin_ = 0, clip_depth_ = 0;
   std::array<uint8_t, 4> color_mask_{};
-  std::array<float, 4> clear_color_{}, blend_color_{};
+  std::array<float, 4> viewport_{}, clear_color_{};
   std::array<double, 2> depth_range_{};
   double clear_depth_ = 1;
-  std::array<int32_t, 6> blend_{};
-  std::array<int32_t, 14> stencil_{};
-  int32_t clear_stencil_ = 0;
   int32_t depth_func_ = 0, cull_face_ = 0, front_face_ = 0, polygon_mode_ = 0;
   uint8_t depth_mask_ = 1;
   std::array<float, 2> polygon_offset_{};

@@ -60,6 +60,9 @@ GlTexture allocateTexture(const PartTexture& part, std::string_view label) {
     glTextureStorage2D(texture.name(), t.mips, internal, t.width, t.height);
   else
     glTextureStorage3D(texture.name(), t.mips, internal, t.width, t.height, t.depth);
+  GLint stored = GL_FALSE;  // false if it could not be
+  glGetTextureParameteriv(texture.name(), GL_TEXTURE_IMMUTABLE_FORMAT, &stored);
+  if (stored == GL_FALSE) return {};
   setSampling(texture.name(), part.sampling);
   return texture;
 }

@@ -162,13 +162,14 @@ void MaterialGpu::chooseUnits() {
   for (const StandIn& stand_in : stand_ins_) bound_[size_t(stand_in.texel.unit)] = stand_in.texture.name();
 }
 
-void MaterialGpu::publish(const ResidentState& state) {
-  if (written_ && state == published_) return;
+bool MaterialGpu::publish(const ResidentState& state) {
+  if (written_ && state == published_) return false;
   if (!stand_ins_.empty()) fadeStandIns(coarsestShare(*material_, state));
   published_ = state;
   written_ = true;
   applyResidency(data_, *material_, state);
   glNamedBufferSubData(block_.name(), 0, sizeof data_, &data_);
+  return true;
 }
 
 void MaterialGpu::bind() const {

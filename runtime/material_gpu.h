@@ -44,8 +44,8 @@ class MaterialGpu {
   void setPart(size_t part, std::vector<GlTexture> textures, const LoadedPart& loaded);
   void dropPart(size_t part);
 
-  // Writes the block, and what stands in for surface maps, if the state differs from what they hold.
-  void publish(const ResidentState& state);
+  // Writes the block, and what stands in for surface maps, if the state differs from what they hold; whether it did.
+  bool publish(const ResidentState& state);
   // Binds block and textures; samplers of these units are set to none.
   void bind() const;
 

@@ -111,6 +111,7 @@ PartTexture depthTexture(Texture depth) {
 Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads) {
   Result<GeometryImage> image = file.loadGeometry();
   if (!image) return image.issue();
+  if (Status status = checkVdimWork(*image, size); !status) return status.issue();
   VdimAtlas atlas = buildVdimAtlas(*image, size, threads);
   LoadedPart part;
   part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
@@ -128,8 +129,10 @@ Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, cons
     if (!image) return image.issue();
     read = std::move(*image);
   }
+  const GeometryImage& image = kept ? kept->geometry : read;
+  if (Status status = checkVdimWork(image, size); !status) return status.issue();
   LoadedPart part;
-  part.textures.push_back(depthTexture(buildVdimDepth(kept ? kept->geometry : read, size, threads)));
+  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads)));
   return part;
 }
 

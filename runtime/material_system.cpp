@@ -86,17 +86,17 @@ struct MaterialSystem::Impl {
 
   void takeDeliveries();
   void pumpUploads();
-  bool pumpJob(UploadJob& job, int64_t& budget);
+  enum class Pumped { kUnderWay, kComplete, kNoMemory };
+  Pumped pumpJob(UploadJob& job, int64_t& budget);
+  bool allocateNext(UploadJob& job);
+  void fail(PartRef ref, Issue issue);
   void finishJob(UploadJob& job);
   void evict(PartRef ref);
   void request(PartRef ref);
   void publishActive();
   ResidentState residentState(uint32_t index) const;
   void countFrame();
-  void countGeometry(PartRef ref) {
-    const PartKind kind = slots[ref.slot].plan[ref.part].kind;
-    geometry_revision += kind == PartKind::kGeometry || kind == PartKind::kAtlas;
-  }
+  void publish(uint32_t index) { relief_revision += slots[index].gpu.publish(residentState(index)) && hasRelief(slots[index].variant); }
   bool current(const PartTicket& ticket) const {
     const Slot& slot = slots[ticket.ref.slot];
     return slot.alive && ticket.ref.part < slot.serials.size() && slot.serials[ticket.ref.part] == ticket.serial;
@@ -110,7 +110,7 @@ struct MaterialSystem::Impl {
   std::deque<UploadJob> uploads;
   std::vector<Demand> demands, last_demands;
   uint64_t next_serial = 1;
-  uint64_t geometry_revision = 0;
+  uint64_t relief_revision = 0;
   MaterialStats stats;
   std::atomic<uint64_t> read_bytes{0};
   LoadingThreads loader;  // last: its threads read the rest
@@ -162,7 +162,7 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   slot.gpu = MaterialGpu(file->skeleton(), *variant, name, slot.plan.size());
   const GlPixelStateScope scope;
   slot.gpu.create(impl.shared);
-  slot.gpu.publish(impl.residentState(index));
+  impl.publish(index);
   for (const PartPlan& part : slot.plan) impl.stats.total_bytes += part.desc.bytes;
   ++impl.stats.materials;
   return MaterialId{(slot.generation & 0xfffu) << kIndexBits | (index + 1)};
@@ -196,7 +196,7 @@ float MaterialSystem::residentLambda(MaterialId id) const {
   return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
 }
 
-uint64_t MaterialSystem::geometryRevision() const { return impl_->geometry_revision; }
+uint64_t MaterialSystem::reliefRevision() const { return impl_->relief_revision; }
 
 void MaterialSystem::demand(MaterialId id, float lambda) {
   const uint32_t index = impl_->indexOf(id);
@@ -255,7 +255,7 @@ Status MaterialSystem::contextRestored() {
   for (uint32_t index = 0; index < impl.slots.size(); ++index) {
     if (!impl.slots[index].alive) continue;
     impl.slots[index].gpu.create(impl.shared);
-    impl.slots[index].gpu.publish(impl.residentState(index));
+    impl.publish(index);
   }
   return {};
 }
@@ -267,41 +267,54 @@ void MaterialSystem::Impl::takeDeliveries() {
       uploads.push_back({delivery.ticket, std::move(*delivery.part), {}, {}});
       continue;
     }
-    Issue issue = delivery.part.issue();
-    issue.severity = Severity::kWarning;
-    issue.text += "; a coarser level is shown instead";
-    device->log(issue);
-    ++stats.failed_parts;
-    residency.failed(delivery.ticket.ref);
+    fail(delivery.ticket.ref, delivery.part.issue());
   }
+}
+
+void MaterialSystem::Impl::fail(PartRef ref, Issue issue) {
+  issue.severity = Severity::kWarning;
+  issue.text += "; a coarser level is shown instead";
+  device->log(issue);
+  ++stats.failed_parts;
+  residency.failed(ref);
 }
 
 void MaterialSystem::Impl::pumpUploads() {
   const auto bound = int64_t(std::clamp<uint64_t>(options.upload_bytes_per_frame, 1, INT64_MAX));  // a step uploads a row at least
   int64_t budget = bound;
-  while (!uploads.empty() && pumpJob(uploads.front(), budget)) {
-    finishJob(uploads.front());
+  while (!uploads.empty()) {
+    UploadJob& job = uploads.front();
+    const Pumped pumped = pumpJob(job, budget);
+    if (pumped == Pumped::kUnderWay) break;
+    if (pumped == Pumped::kComplete)
+      finishJob(job);
+    else
+      fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name, "the driver has no memory for a texture"});
     uploads.pop_front();
   }
   stats.uploaded_last_frame = uint64_t(bound - budget);
   stats.uploaded_bytes += stats.uploaded_last_frame;
 }
 
-// True when all textures of the part are complete.
-bool MaterialSystem::Impl::pumpJob(UploadJob& job, int64_t& budget) {
+MaterialSystem::Impl::Pumped MaterialSystem::Impl::pumpJob(UploadJob& job, int64_t& budget) {
   while (budget > 0) {
-    if (job.textures.empty()) {
-      const PartTexture& first = job.part.textures.front();
-      job.textures.push_back(allocateTexture(first, slots[job.ticket.ref.slot].name + " " + first.label));
-    }
+    if (job.textures.empty() && !allocateNext(job)) return Pumped::kNoMemory;
     const PartTexture& part = job.part.textures[job.textures.size() - 1];
     if (!job.upload.step(part, job.textures.back().name(), budget)) continue;
-    if (job.textures.size() == job.part.textures.size()) return true;
-    const PartTexture& next = job.part.textures[job.textures.size()];
-    job.textures.push_back(allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label));
-    job.upload = {};
+    if (job.textures.size() == job.part.textures.size()) return Pumped::kComplete;
+    if (!allocateNext(job)) return Pumped::kNoMemory;
   }
-  return false;
+  return Pumped::kUnderWay;
+}
+
+// False if there is no memory.
+bool MaterialSystem::Impl::allocateNext(UploadJob& job) {
+  const PartTexture& next = job.part.textures[job.textures.size()];
+  GlTexture texture = allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label);
+  if (!texture) return false;
+  job.textures.push_back(std::move(texture));
+  job.upload = {};
+  return true;
 }
 
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
@@ -309,7 +322,6 @@ void MaterialSystem::Impl::finishJob(UploadJob& job) {
   slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
   if (continues(slot.plan, job.ticket.ref.part)) slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
   residency.arrived(job.ticket.ref);
-  countGeometry(job.ticket.ref);
 }
 
 void MaterialSystem::Impl::evict(PartRef ref) {
@@ -320,7 +332,6 @@ void MaterialSystem::Impl::evict(PartRef ref) {
   loader.cancel(ref);
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
-  countGeometry(ref);
 }
 
 void MaterialSystem::Impl::request(PartRef ref) {
@@ -354,7 +365,7 @@ ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
 }
 
 void MaterialSystem::Impl::publishActive() {
-  for (const uint32_t index : residency.active()) slots[index].gpu.publish(residentState(index));
+  for (const uint32_t index : residency.active()) publish(index);
 }
 
 void MaterialSystem::Impl::countFrame() {

@@ -84,9 +84,9 @@ class MaterialSystem {
   // The smallest lambda that the shader will use: detail below it is not resident.
   float residentLambda(MaterialId id) const;
 
-  // Changes whenever a geometry image or its atlas arrives on the GPU or leaves it: what was drawn with its relief is
-  // out of date.
-  uint64_t geometryRevision() const;
+  // Changes whenever what a material with relief shows changes: parts that come or go, and their fades. Depth that was drawn
+  // with its relief is out of date then.
+  uint64_t reliefRevision() const;
 
   // After the context is gone: forget every name; after the new one is current: everything streams in again.
   void contextLost();

@@ -50,13 +50,6 @@ vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) { return position_ws + wo_w
 // Tile coordinate of one evaluation of several along a fragment's footprint (surfaceTaps).
 vec2 tapX(int tap, int taps, vec2 step_) { return tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_; }
 
-// Of the one that decides a fragment's depth: the last.
-vec2 depthX(vec2 dx, vec2 dy) {
-  vec2 step_;
-  int taps = surfaceTaps(dx, dy, step_);
-  return tapX(taps - 1, taps, step_);
-}
-
 // Depth of a point in the frame's own view.
 float depthOf(vec3 position) {
   vec4 clip = scene.clip_from_world * vec4(position, 1.0);

@@ -6,13 +6,20 @@
 #include "scene_displaced.glsl"
 
 layout(location = 0) out vec4 color;
-// Radiance towards the viewer from the surface at tile coordinate x, all lights together.
+// Radiance towards the viewer from the surface at tile coordinate x, all lights together. Where depth is written, taps whose
+// ray meets nothing are left out, and the last that meets something gives the depth, as in the pre-pass.
+#ifdef SCENE_PARALLAX_DEPTH
+int missed_taps = 0;
+#endif
 vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws, vec3 wo) {
   SurfacePoint point = surfacePoint(x, dx, dy, shape, wo);
   float z = 0.0;
   vec3 position = position_ws;
 #ifdef SCENE_PARALLAX_DEPTH
-  if (surfaceMissed(point)) discard;
+  if (surfaceMissed(point)) {
+    ++missed_taps;
+    return vec3(0.0);
+  }
   z = surfaceDepth(point);
   position = displacedPosition(wo_ws, wo, z);
   gl_FragDepth = depthOf(position);
@@ -55,5 +62,9 @@ void main() {
   do {
     sum += shade(tapX(tap, taps, step_), dx, dy, shape, frame, wo_ws, wo);
   } while (++tap < taps);
+#ifdef SCENE_PARALLAX_DEPTH
+  if (missed_taps == taps) discard;
+  taps -= missed_taps;
+#endif
   color = vec4(sceneTone(object.emissive_roughness.rgb + sum / float(taps)), 1.0);
 }

@@ -11,7 +11,14 @@ void main() {
   mat3 frame = tangentFrame();
   vec3 wo = viewInFrame(frame, to_viewer);
   vec2 dx = dFdx(tile_x), dy = dFdy(tile_x);
-  SurfacePoint point = surfacePoint(depthX(dx, dy), dx, dy, surfaceShape(frame), wo);
+  SurfaceShape shape = surfaceShape(frame);
+  SurfacePoint point;
+  vec2 step_;
+  int taps = surfaceTaps(dx, dy, step_), tap = taps;
+  // The last tap that meets something, as in the shading pass.
+  do {
+    point = surfacePoint(tapX(--tap, taps, step_), dx, dy, shape, wo);
+  } while (surfaceMissed(point) && tap > 0);
   if (surfaceMissed(point)) discard;
   // Pushed away: by a texel of the shadow map, as polygon offset does where depth is not written by hand; in the pre-pass
   // by what two programs may round apart.

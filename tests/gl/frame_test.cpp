@@ -1,6 +1,7 @@
 // The frame renderer's engine manners: it leaves GL state alone and draws the same after a lost context.
 #include <epoxy/gl.h>
 
+#include "material/issues.h"
 #include "runtime/frame.h"
 #include "runtime/mesh_analytic.h"
 #include "shaders/scene_shared.h"
@@ -91,22 +92,74 @@ TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {
   ASSERT_TRUE(renderer.ok());
   const std::vector<glm::vec4> expected = picture(**renderer, *materials);
   for (const GLenum state : {GL_DEPTH_CLAMP, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART,
-                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL}) {
+                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE7,
+                             GL_SAMPLE_MASK, GL_SAMPLE_COVERAGE, GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) {
     glEnable(state);
     glLogicOp(GL_INVERT);
     glPrimitiveRestartIndex(1);
     glPolygonOffset(100, 1000);
+    glSampleMaski(0, 0);
+    glSampleCoverage(0, GL_FALSE);
+    glScissor(0, 0, 1, 1);
+    glBlendFunc(GL_ZERO, GL_ONE);
+    glStencilFunc(GL_NEVER, 0, 0);
     EXPECT_TRUE(picture(**renderer, *materials) == expected) << std::hex << state;
     glDisable(state);
   }
   glDepthRange(0.5, 0.5);
   EXPECT_TRUE(picture(**renderer, *materials) == expected) << "depth range";
   glDepthRange(0, 1);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  EXPECT_TRUE(picture(**renderer, *materials) == expected) << "clip control, as for reversed depth";
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   GLuint sampler = 0;  // without depth comparison
   glCreateSamplers(1, &sampler);
   for (GLuint unit = 0; unit <= SCENE_UNIT_SHADOW; ++unit) glBindSampler(unit, sampler);
   EXPECT_TRUE(picture(**renderer, *materials) == expected) << "samplers";
   glDeleteSamplers(1, &sampler);
+}
+
+// Several samples change silhouettes, not what the target can hold.
+TEST_F(FrameTest, KeepsBrightnessAboveOneWithSeveralSamples) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.tone = ToneCurve::kClip;
+  settings.background = glm::vec3(4, 0.001f, 2);
+  Camera away;
+  away.position = {0, 0, 2};
+  away.target = {0, 0, 4};
+  for (const ColorFormat format : {ColorFormat::kLinear32, ColorFormat::kSrgb8, ColorFormat::kLinear16}) {
+    const RenderTarget target = makeRenderTarget({16, 16}, format, "frame");
+    std::vector<glm::vec4> pixels[2];
+    for (const int samples : {1, 4}) {
+      settings.samples = samples;
+      (*renderer)->prepare(makeView(away, target.size), settings);
+      ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+      pixels[samples / 4] = readLinear(target);
+    }
+    EXPECT_TRUE(pixels[0] == pixels[1]) << int(format);
+  }
+}
+
+TEST_F(FrameTest, SaysWhereATargetCannotBe) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  const RenderTarget target = makeRenderTarget({16, 16}, ColorFormat::kSrgb8, "frame");
+  FrameSettings settings;
+  settings.samples = 4;
+  (*renderer)->prepare(viewOf(target.size), settings);
+  EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), {0, 0}}).ok()) << "a minimised window";
+  const Status huge = (*renderer)->draw({target.framebuffer.name(), {1 << 20, 1 << 20}});
+  ASSERT_FALSE(huge.ok());
+  EXPECT_EQ(huge.issue().id, issue_id::kMemory);
+  while (glGetError() != GL_NO_ERROR) {}
+  messages.clear();  // the driver says so too
+  EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok()) << "and goes on";
 }
 
 TEST_F(FrameTest, LightsAMeshThatItsTransformFlattens) {

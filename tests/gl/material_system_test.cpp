@@ -8,6 +8,7 @@
 
 #include "material/issues.h"
 #include "material/leading_part.h"
+#include "runtime/gl_texture.h"
 #include "runtime/material_data.h"
 #include "runtime/material_parts.h"
 #include "tests/gl/gl_fixture.h"
@@ -316,13 +317,13 @@ TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
   system->demand(b, 0);
   system->finishLoading();
   EXPECT_EQ(system->stats().parts_resident, 4);
-  const uint64_t revision = system->geometryRevision();
+  const uint64_t revision = system->reliefRevision();
   for (int frame = 0; frame < 5; ++frame) {
     system->demand(b, 1.5f);  // bands and geometry, but not so near that the full atlas would show
     system->update(0.5f);
   }
   EXPECT_EQ(system->stats().parts_resident, 3);
-  EXPECT_NE(system->geometryRevision(), revision);
+  EXPECT_NE(system->reliefRevision(), revision);
   EXPECT_TRUE(drawMaterial(*system, b, 0) == drawMaterial(*small, a, 0));
   system->demand(b, 0);
   system->finishLoading();
@@ -422,6 +423,21 @@ TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {
     EXPECT_GT(drawMaterial(*system, *id, 0)[0].y, 0);
   }
   messages.clear();
+}
+
+TEST_F(MaterialSystemTest, NoticesThatTheDriverHasNoMemory) {
+  const Capabilities& gl = device->capabilities();
+  PartTexture part{0, Sampling::kRepeatNearest, false, "huge", {}};
+  part.texels.format = TexelFormat::kRGBA32Sfloat;
+  part.texels.shape = TextureShape::kArray2D;
+  part.texels.width = part.texels.height = gl.max_texture_side;
+  part.texels.depth = gl.max_array_layers;  // terabytes
+  part.texels.mips = 1;
+  EXPECT_FALSE(allocateTexture(part, "huge"));
+  while (glGetError() != GL_NO_ERROR) {}
+  messages.clear();  // the driver may say so too
+  part.texels.width = part.texels.height = part.texels.depth = 4;
+  EXPECT_TRUE(allocateTexture(part, "small"));
 }
 
 TEST_F(MaterialSystemTest, UnloadsWhileLoading) {

@@ -2,7 +2,9 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "material/directions.h"
 #include "runtime/frame.h"
@@ -17,6 +19,7 @@ using namespace runtime;
 
 constexpr float kPeriod = 0.125f, kDepth = 0.1f * kPeriod;  // metres
 constexpr glm::ivec2 kSize{96, 96};
+constexpr glm::vec3 kBackground{0, 0, 1};  // as nothing in the scenes
 
 // Ridges along y: high where fract(x) < .5, 0.1 periods lower elsewhere. White and matte.
 Material ridges() {
@@ -60,8 +63,8 @@ void addChip(Scene& scene, const glm::vec3& centre, const glm::vec2& half) {
 
 class Relief : public GlTest {
  protected:
-  Scene sceneUnder(const glm::vec3& to_sun) {
-    Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::normalize(to_sun));
+  Scene sceneUnder(const glm::vec3& to_sun, SurfaceKind kind = SurfaceKind::kPlane) {
+    Scene scene = analyticScene(kind, {}, glm::normalize(to_sun));
     scene.assets[0].embedded = std::move(*serializeAsset(ridges()));
     scene.assets[0].name = "ridges";
     return scene;
@@ -78,7 +81,8 @@ class Relief : public GlTest {
     settings.shadows = shadows;
     settings.depth_prepass = depth_prepass;
     settings.tone = ToneCurve::kClip;
-    settings.sky_ambient = settings.ground_ambient = settings.background = glm::vec3(0);
+    settings.sky_ambient = settings.ground_ambient = glm::vec3(0);
+    settings.background = kBackground;
     Camera camera;
     camera.position = {centre, 0, 1};
     camera.target = {centre, 0, 0};
@@ -149,6 +153,87 @@ TEST_F(Relief, LooksTheSameWithoutADepthPrePass) {
   float off = 0;
   for (size_t i = 0; i < with.size(); ++i) off = std::max(off, glm::distance(with[i], without[i]));
   EXPECT_LT(off, 1e-5f);
+}
+
+// The same ridges as a fused material: the relief is seen as far as the flat band is, which arrives after the geometry.
+Material fusedRidges() {
+  const Material surface = ridges();
+  Material material = fusedMaterial();
+  material.side = surface.side;
+  material.geometry = surface.geometry;
+  material.atlas = kFirstVdimAtlas;  // nothing refines it later
+  material.value_scale = surface.value_scale;
+  return material;
+}
+
+// The sun's map follows what streams in, level by level, and rests when nothing does.
+TEST_F(Relief, KeepsTheShadowMapUpToDateWhileStreaming) {
+  Scene scene = sceneUnder({0.02f, 0, 1});
+  scene.assets[0].embedded = std::move(*serializeAsset(fusedRidges()));
+  addChip(scene, {0.75f * kPeriod, 0, -0.5f * kDepth}, {0.015f, 0.015f});
+  auto materials = makeMaterials({.upload_bytes_per_frame = 4096});
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.parallax_depth = true;
+  settings.tone = ToneCurve::kClip;
+  Camera camera;
+  camera.position = {0.75f * kPeriod, 0, 1};
+  camera.target = {0.75f * kPeriod, 0, 0};
+  camera.up = {0, 1, 0};
+  camera.fov_degrees = 10;
+  const RenderTarget target = makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
+  const auto draw = [&](FrameRenderer& with) {
+    with.prepare(makeView(camera, target.size), settings);
+    materials->update(0.1f);
+    EXPECT_TRUE(with.draw({target.framebuffer.name(), target.size}).ok());
+    return with.stats().depth_draw_calls;
+  };
+  const int prepass = 2, all = 4;  // draws: two objects, in the pre-pass and in the map
+  uint64_t revision = ~0ull;
+  int resting = 0;  // frames; some are drawn while parts arrive and fade in
+  for (int frame = 0; frame < 100000 && resting < 20; ++frame) {
+    if (frame % 32 == 0) {
+      draw(**renderer);
+    } else {
+      (*renderer)->prepare(makeView(camera, target.size), settings);
+      materials->update(0.1f);
+    }
+    resting = materials->stats().parts_resident > 2 && materials->reliefRevision() == revision ? resting + 1 : 0;
+    revision = materials->reliefRevision();
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
+  draw(**renderer);
+  EXPECT_EQ(draw(**renderer), prepass) << "redrawn although nothing changes";
+  const auto streamed = readLinear(target);
+  settings.base_materials_only = true;
+  EXPECT_EQ(draw(**renderer), all) << "without the relief it is another map";
+  settings.base_materials_only = false;
+  settings.lambda = 9;
+  EXPECT_EQ(draw(**renderer), all) << "at another level too";
+  settings.lambda.reset();
+  EXPECT_EQ(draw(**renderer), all);
+  EXPECT_TRUE(readLinear(target) == streamed) << "what was drawn while parts arrived is out of date";
+}
+
+// At silhouettes of a curved relief some of a fragment's evaluations miss it, and the others show it: what stands behind
+// is neither hidden by nothing nor shown through.
+TEST_F(Relief, LeavesNoHolesAtCurvedSilhouettes) {
+  for (const float side : {0.44f, 0.5f}) {
+    Scene scene = sceneUnder({1, 0.1f, 0.6f}, SurfaceKind::kSphere);
+    addChip(scene, {0, 0, -3}, {9, 9});
+    const auto with = picture(scene, false, side), without = picture(scene, false, side, false);
+    int holes = 0, differ = 0, relief = 0;
+    for (size_t i = 0; i < with.size(); ++i) {
+      holes += glm::vec3(with[i]) == kBackground;
+      differ += glm::distance(with[i], without[i]) > 1e-5f;
+      relief += with[i].g > 0.05f;
+    }
+    EXPECT_GT(relief, int(with.size()) / 5) << "the silhouette is out of view";
+    EXPECT_EQ(holes, 0);
+    EXPECT_EQ(differ, 0) << "from what is drawn without a pre-pass";
+  }
 }
 
 // A chip above the tile: its shadow has no gap and lies where geometry puts it, on a ridge and in a valley.

@@ -408,6 +408,28 @@ TEST(AssetIssues, MapField) {
                      });
 }
 
+// A small file that would keep a loader busy for hours: a surface that is a wall in every patch, or all in one place.
+TEST(AssetIssues, SurfaceTornEverywhere) {
+  const auto surface = [](int side, bool identity, const std::function<glm::dvec3(int, int)>& position) {
+    std::vector<glm::dvec3> positions;
+    for (int t = 0; t < side * side; ++t) positions.push_back(position(t % side, t / side));
+    Material material = test::surfaceMaterial();
+    material.geometry = encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), identity);
+    material.atlas = {};
+    return material;
+  };
+  const auto checkered = [&](int side, float depth) {
+    return surface(side, true, [=](int i, int j) { return glm::dvec3((i + 0.5) / side, (j + 0.5) / side, (i + j) % 2 ? -depth : 0); });
+  };
+  expectBothReject(checkered(256, 4), issue_id::kMapField);
+  EXPECT_TRUE(serializeAsset(checkered(256, 0.05f)).ok()) << "a rough surface";
+  const auto gathered = [&](int side) {
+    return surface(side, false, [=](int i, int j) { return glm::dvec3(0.5 + 1e-5 * i, 0.5 + 1e-5 * j, -0.01); });
+  };
+  expectBothReject(gathered(520), issue_id::kMapField);
+  EXPECT_TRUE(serializeAsset(gathered(64)).ok());
+}
+
 TEST(AssetIssues, MapSize) {
   // Texels that do not fill the extents: the writer sees the vector, the reader the chunk.
   expectEachRejected(test::surfaceMaterial, issue_id::kMapSize,
@@ -472,6 +494,7 @@ TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
       {"kMaxGridSide", Limits::kMaxGridSide},   {"kMaxLambda", Limits::kMaxLambda},
       {"kMaxGeometrySide", Limits::kMaxGeometrySide}, {"kMaxTilePeriods", Limits::kMaxTilePeriods},
       {"kMaxAtlasTexels", Limits::kMaxAtlasTexels}, {"kMaxAtlasDirections", Limits::kMaxAtlasDirections},
+      {"kMaxAtlasWork", Limits::kMaxAtlasWork}, {"kMaxAtlasColumn", Limits::kMaxAtlasColumn},
       {"kMaxNameBytes", Limits::kMaxNameBytes}, {"kMaxHeadBytes", Limits::kMaxHeadBytes},
       {"kMaxMetaBytes", Limits::kMaxMetaBytes}, {"kMaxChunkBytes", Limits::kMaxChunkBytes},
       {"kMaxRatio", Limits::kMaxRatio},         {"kTableEnd", Limits::kTableEnd},

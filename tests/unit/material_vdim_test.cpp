@@ -224,6 +224,28 @@ TEST(Vdim, AtlasHoldsTheDepthsOfFirstHits) {
   }
 }
 
+// Slivers of a wall, seen from the side many periods long, are drawn row by row; nothing of them may be left out.
+TEST(Vdim, AtlasHoldsTheDepthsOfDeepWalls) {
+  constexpr int kSide = 32;
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < kSide * kSide; ++t)
+    positions.emplace_back((t % kSide + 0.5) / kSide, (t / kSide + 0.5) / kSide, (t % kSide + t / kSide / 2) % kSide < 16 ? 0 : -1.5);
+  const GeometryImage image = encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  const GeometryTracer tracer(image);
+  const Texture depth = buildVdimDepth(image, {16, 9});
+  const auto* codes = reinterpret_cast<const uint8_t*>(depth.data.data());
+  int wrong = 0;
+  for (int layer = 0; layer < 81; ++layer) {
+    const glm::dvec3 wo = vdimViewFromSquare((glm::dvec2(layer % 9, layer / 9) + 0.5) / 9.0);
+    for (int k = 0; k < 256; ++k) {
+      const auto hit = tracer.traceView((glm::dvec2(k % 16, k / 16) + 0.5) / 16.0, wo);
+      ASSERT_TRUE(hit.has_value());
+      wrong += std::abs(255 * (1 + hit->position.z / double(image.range.z)) - codes[256 * layer + k]) > 1;
+    }
+  }
+  EXPECT_LE(wrong, 81 * 256 / 500) << "rays that graze an edge";
+}
+
 TEST(Vdim, AtlasDoesNotDependOnThreads) {
   const GeometryImage image = waveImage(64, 0.15, 0.35);
   const VdimAtlas one = buildVdimAtlas(image, {16, 8}, 1), many = buildVdimAtlas(image, {16, 8}, 7);

@@ -74,7 +74,7 @@ TEST(Evaluator, LightFactorMultipliesTheWholeValue) {
   Material plain = lit;
   plain.bands[0].light_quads = 0;
   const Band& band = lit.bands[0];
-  const Evaluator evaluator(lit, {16, 8}), without(plain, {16, 8});
+  const Evaluator evaluator(lit), without(plain);
   double least = 1, most = 0;
   for (int k = 0; k < 64; ++k) {
     const glm::ivec2 texel(k % 8, k / 8);

@@ -286,7 +286,7 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli", "sponge", "weave"),
-                         [](const auto& tile) { return info.param; });
+                         [](const auto& tile) { return tile.param; });
 
 }  // namespace
 }  // namespace loden::runtime

@@ -329,16 +329,19 @@ void measureTile(const Device& device, const FullScreen& screen, const importer:
   const BakedOutput baked = require(importer::studyBake(options, tile));
   using importer::Preset;
   const Material surface = cooked(baked, Mode::kSurface, Preset::kGame);
-  Material without_geometry = surface;
+  Material maps = surface;
+  maps.surface->tail_mip = 0;  // other renderers hold no leading part beside the whole
+  Material without_geometry = maps;
   without_geometry.geometry = {};
   Material paper = cooked(baked, Mode::kSurface, Preset::kSeed);
   paper.geometry = {};
+  paper.surface->tail_mip = 0;
   Scene scene(device, screen, baked);
   scene.addConstant(without_geometry);
   scene.add("normal map", "diffuse, normal, specular at x", without_geometry, Lookup::kNone);
   if (baked.manifest().identity_parameterization) {
-    scene.addMarch("parallax occlusion mapping", 16, 5, surface);
-    scene.addMarch("relief mapping", 32, 6, surface);
+    scene.addMarch("parallax occlusion mapping", 16, 5, maps);
+    scene.addMarch("relief mapping", 32, 6, maps);
   }
   scene.add("Flat-BTF, as published", "latlong 16x16, blended", paper, Lookup::kPaper);
   if (const int size = baked.manifest().size; (size & (size - 1)) == 0) scene.addTable(without_geometry);  // its mips are 2 x 2 means

@@ -41,8 +41,7 @@ LookupError LookupProbe::measure(const VdimAtlas& atlas, VdimTier tier) const {
   parallelFor(kBlocks, threads_, [&](size_t b) {
     for (const Ray& ray : blocks_[b]) {
       const VdimHit<double> hit = vdimLookup(atlas, tier, ray.x, ray.wo);
-      const glm::dvec2 off = glm::dvec2(surfaceAt(geometry_, hit.p).position) - ray.truth;
-      const double texels = glm::length(off - glm::round(off)) * side_;
+      const double texels = periodicDistance(glm::dvec2(surfaceAt(geometry_, hit.p).position), ray.truth) * side_;
       sums[b].texels += texels, sums[b].over += texels > 1, sums[b].fetches += hit.fetches;
     }
   });

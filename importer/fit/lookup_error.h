@@ -8,6 +8,12 @@
 
 namespace loden::importer {
 
+// Between points of a tile that repeats, tile periods.
+inline double periodicDistance(const glm::dvec2& a, const glm::dvec2& b) {
+  const glm::dvec2 d = a - b;
+  return glm::length(d - glm::round(d));
+}
+
 struct LookupError {
   double mean_texels = 0;   // distance of the two points' (x, y), in reference texels
   double over_1_texel = 0;  // share of the views that are further off than a texel

@@ -12,6 +12,7 @@
 
 #include "importer/bent_tiles.h"
 #include "importer/fit/atlas_choice.h"
+#include "importer/fit/lookup_error.h"
 #include "importer/fit/modes.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
@@ -74,11 +75,6 @@ std::vector<Sample> drawSamples(const BentTiles& tiles, const AnalyticSurface& s
     if (sample.hit) sample.truth = glm::dvec2(hit->tile_position);
   });
   return samples;
-}
-
-double periodicDistance(glm::dvec2 a, glm::dvec2 b) {
-  const glm::dvec2 d = a - b;
-  return glm::length(d - glm::round(d));
 }
 
 void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometry, VdimTier tier, bool bent,

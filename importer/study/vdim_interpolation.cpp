@@ -11,6 +11,7 @@
 
 #include "importer/bake_scene.h"
 #include "importer/fit/atlas_choice.h"
+#include "importer/fit/lookup_error.h"
 #include "importer/fit/paper_vdim.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
@@ -65,11 +66,6 @@ struct Candidate {
   const GeometryImage* geometry = nullptr;  // that p is mapped back through
   bool cooked = false;                      // the atlas that the cooker chooses for this tile
 };
-
-double periodicDistance(glm::dvec2 a, glm::dvec2 b) {
-  const glm::dvec2 d = a - b;
-  return glm::length(d - glm::round(d));
-}
 
 StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples, const std::string& tile,
                  const StudyOptions& options) {

@@ -191,7 +191,7 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
     if (const Status status = ready->finish(fill); !status) return status.issue();
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return BakeReport{counters.rays, seconds, counters.misses};
+  return BakeReport{manifest, counters.rays, seconds, counters.misses};
 }
 
 }  // namespace loden::importer

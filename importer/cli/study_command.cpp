@@ -31,6 +31,7 @@ class StudyCommand : public Command {
     options.choice("name", study_, names, "Which study", true);
     options.texts("--tile", tiles_, "Tiles; default: button, isba, pulli, sponge");
     options.integer("--size", study_options_.size, "Reference texels per side", 4, 1024);
+    options.integer("--every", study_options_.every, "flat-reconstruction: every N-th view only, and no views between; for large sizes", 1, 81);
     options.path("--json", json_, "Write the rows as JSON to this file");
     options.path("--csv", csv_, "Write the rows as CSV to this file");
     options.path("--bakes", study_options_.bakes, "Folder of baked outputs, <tile>-<size>; baked there if missing");
@@ -43,11 +44,13 @@ class StudyCommand : public Command {
     if (!tiles_.empty()) study_options_.tiles = tiles_;
     study_options_.threads = globals.threads;
     study_options_.quiet = globals.quiet;
-    if (study_ == kTimeError) return runTimeError(globals);
-    const Study& study = *findStudy(study_);
-    const auto rows = study.run(study_options_);
+    const Study* const study = findStudy(study_);
+    if (study_options_.every > 1 && !(study && study->takes_every))
+      return fail({issue_id::kOption, Severity::kError, "--every", "study " + study_ + " needs all views; leave --every out"});
+    if (!study) return runTimeError(globals);
+    const auto rows = study->run(study_options_);
     if (!rows) return fail(rows.issue());
-    const std::string json = studyJson(study, globals.command_line, *rows);
+    const std::string json = studyJson(*study, globals.command_line, *rows);
     if (!json_.empty())
       if (const Status status = writeWholeFile(json_, json); !status) return fail(status.issue());
     if (!csv_.empty())

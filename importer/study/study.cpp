@@ -76,9 +76,10 @@ Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& ti
   bake_options.threads = options.threads;
   bake_options.quiet = options.quiet;
   bake_options.resume = !baked_before;  // what stands there is of another tile or size
+  if (wanted.some_views) bake_options.shards = options.every, bake_options.shard = options.every / 2;
   const auto report = bake(*loaded, name, folder, bake_options);
   if (!report) return report.issue();
-  return BakedOutput::open(folder);
+  return wanted.some_views ? BakedOutput::unfinished(folder, report->manifest) : BakedOutput::open(folder);
 }
 
 namespace {

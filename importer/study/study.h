@@ -38,6 +38,7 @@ using StudyRows = std::vector<StudyRow>;
 struct StudyOptions {
   std::vector<std::string> tiles{"button", "isba", "pulli", "sponge"};  // builtin names, or tile files
   int size = 64;                            // reference texels per side
+  int every = 1;                            // views every / 2, every / 2 + every, ... only
   std::filesystem::path bakes = "out/bakes";  // baked outputs, <tile>-<size>; baked there if missing
   std::filesystem::path pictures;           // PNG pictures go here; empty: none
   int threads = 0;                          // 0: all
@@ -48,6 +49,7 @@ struct Study {
   std::string_view name;
   std::string_view summary;
   Result<StudyRows> (*run)(const StudyOptions& options);
+  bool takes_every = false;  // knows StudyOptions::every
 };
 
 // All studies, in the order of the papers.
@@ -61,6 +63,7 @@ struct StudyBake {
   FillMethod fill = FillMethod::kPushPull;
   TexelMethod texels = TexelMethod::kMean;
   BakeMaps maps;  // at least
+  bool some_views = false;  // only those of StudyOptions::every; the others are not there to be read
 };
 
 // The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, and, where `bake`

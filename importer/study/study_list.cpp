@@ -4,7 +4,7 @@ namespace loden::importer {
 namespace {
 
 constexpr Study kStudies[] = {
-    {"flat-reconstruction", "reference BTF against the Flat-BTF read back (FBTF table 1)", studyFlatReconstruction},
+    {"flat-reconstruction", "reference BTF against the Flat-BTF read back (FBTF table 1)", studyFlatReconstruction, true},
     {"vdim-interpolation", "looked-up against traced parameters between the views (FBTF figure 10)", studyVdimInterpolation},
     {"curved-lookup", "the lookup on a cylinder and a sphere against the bent tile (FBTF section 3.1)", studyCurvedLookup},
     {"view-coherence", "how much a texel's light vector changes with the view (FBTF table 2)", studyViewCoherence},

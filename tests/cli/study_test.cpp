@@ -115,6 +115,31 @@ TEST(Study, TimeErrorWithoutItsProgram_IsUnsupportedWithARemedy) {
   EXPECT_NE(run.err.find("bench_time_error"), std::string::npos) << run.err;
 }
 
+TEST(Study, EveryNthView_BakesTheseAndIsCompletedLater) {
+  const ScratchFolder scratch;
+  const std::vector<std::string> all{"study", "flat-reconstruction", "--size", "8", "--tile", "pulli", "--format", "json", "-q"};
+  const auto rowsOf = [&](const std::string& bakes, const std::string& every) {
+    auto arguments = all;
+    arguments.insert(arguments.end(), {"--bakes", scratch / bakes, "--every", every});
+    const ToolRun run = loden(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out, nullptr, false)["rows"];
+  };
+  const auto some = rowsOf("a", "27"), later = rowsOf("a", "1"), fresh = rowsOf("b", "1");
+  ASSERT_EQ(some.size(), 3u);  // no view between the samples without all of these
+  for (const auto& row : some) {
+    EXPECT_EQ(row["protocol"], "paper");
+    EXPECT_EQ(row["images"], 3 * 81);
+  }
+  EXPECT_EQ(later, fresh);
+}
+
+TEST(Study, EveryNthViewOfAStudyThatNeedsAll_IsRefused) {
+  const ToolRun run = loden({"study", "view-coherence", "--every", "9"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("--every"), std::string::npos) << run.err;
+}
+
 TEST(Study, BakeOfAnotherSize_IsNotTaken) {
   const ScratchFolder scratch;
   ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", scratch / "pulli-8", "--size", "4", "--supersample", "1", "-q"}).exit_code, 0);

@@ -232,7 +232,7 @@ verb_bench() {
 }
 
 verb_studies() {
-  build loden bench_time_error
+  build loden bench_time_error picture_grid
   mkdir -p "$LOGS" out/studies
   local study
   : >"$LOGS/tools.log"
@@ -240,6 +240,7 @@ verb_studies() {
     tool "study $study" "$BIN/loden" study "$study" --bakes out/studies/bakes --json "out/studies/$study.json" \
       --csv "out/studies/$study.csv" --pictures out/studies/pictures
   done
+  tool "figures" tests/studies/figures.sh "$BIN" out/studies/pictures out/studies
   say "tables, JSON and pictures: $PWD/out/studies, text in $LOGS/tools.log"
 }
 

@@ -19,9 +19,9 @@
 #include "importer/fit/paper_vdim.h"
 #include "importer/metrics.h"
 #include "importer/parallel.h"
-#include "importer/picture.h"
 #include "importer/progress.h"
 #include "importer/random.h"
+#include "importer/study/figure.h"
 #include "importer/study/ring_interpolation.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
@@ -129,22 +129,28 @@ StudyRow rowOf(const std::vector<std::optional<ViewError>>& views, const Subject
   return row.set("images", uint64_t{images.size()});
 }
 
-Picture slicePicture(std::span<const glm::vec3> slice, int side) {
-  Picture picture{side, side, std::vector<glm::vec4>(slice.size())};
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) picture.at(x, side - 1 - y) = glm::vec4(slice[size_t(y) * side + x], 1);
-  return picture;
-}
-
-// FBTF figure 9: reconstruction, reference and absolute difference of one slice.
-Status writeFigure(const Subject& subject, std::span<const glm::vec3> truth, std::span<const glm::vec3> test) {
-  std::vector<glm::vec3> difference;
-  for (size_t t = 0; t < truth.size(); ++t) difference.push_back(glm::abs(truth[t] - test[t]));
-  std::filesystem::create_directories(subject.options.pictures);
+// FBTF figure 9, one slice: the Flat-BTF over p, the VDIM (p within its period as red and green), the reconstruction, the
+// reference and their absolute difference over x. One size for all, that of the Flat-BTF.
+Status writeSlices(const Subject& subject, const glm::dvec3& wo, std::span<const glm::vec3> flat, std::span<const glm::vec3> test,
+                   std::span<const glm::vec3> truth) {
+  const int side = subject.side();
+  std::vector<glm::vec3> vdim, difference;
+  for (size_t t = 0; t < truth.size(); ++t) {
+    const auto hit = subject.tracer.intersectView((glm::dvec2(double(t % side), double(t / side)) + .5) / double(side), wo);
+    vdim.push_back(hit ? glm::vec3(glm::vec2(glm::fract(hit->p)), 0) : glm::vec3(0, 0, 1));
+    difference.push_back(glm::abs(truth[t] - test[t]));
+  }
+  struct Slice {
+    const char* name;
+    std::span<const glm::vec3> texels;
+    int side;
+  };
   const std::string stem = "flat-reconstruction-" + subject.name + "-" + std::to_string(subject.flatSide()) + "-" + texelsName(subject);
-  for (const auto& [what, slice] : {std::pair<const char*, std::span<const glm::vec3>>{"reference", truth}, {"reconstructed", test}, {"difference", difference}})
-    if (const Status status = writePicture(slicePicture(slice, subject.side()), subject.options.pictures / (stem + "-" + what + ".png")); !status)
-      return status;
+  for (const Slice& slice : {Slice{"flat", flat, subject.flatSide()}, {"vdim", vdim, side}, {"reconstructed", test, side},
+                             {"reference", truth, side}, {"difference", difference, side}}) {
+    const Picture picture = texelPicture(slice.texels, slice.side, subject.flatSide() / slice.side);
+    if (const Status status = writeFigure(picture, subject.options.pictures / (stem + "-" + slice.name + ".png")); !status) return status;
+  }
   return {};
 }
 
@@ -160,11 +166,12 @@ Result<ViewError> paperView(const Subject& subject, int view) {
   std::vector<glm::vec3> image(texels);
   constexpr int kFigureView = 40, kFigureLight = 10;
   for (int light = 0; light < directions.size(); ++light) {
-    for (size_t t = 0; t < texels; ++t) image[t] = footprints[t].read(&(*flat)[light * flat_texels]);
+    const auto slice = std::span(*flat).subspan(light * flat_texels, flat_texels);
+    for (size_t t = 0; t < texels; ++t) image[t] = footprints[t].read(slice.data());
     const auto truth_image = std::span(*truth).subspan(light * texels, texels);
     addImage(error, truth_image, image);
     if (view == kFigureView && light == kFigureLight && !subject.options.pictures.empty())
-      if (const Status status = writeFigure(subject, truth_image, image); !status) return status.issue();
+      if (const Status status = writeSlices(subject, directions.samples[view], slice, image, truth_image); !status) return status.issue();
   }
   return error;
 }

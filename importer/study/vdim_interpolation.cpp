@@ -3,7 +3,8 @@
 // Views are random, uniform in solid angle up to 85 degrees; points x are random, uniform over the tile, and do not
 // fall on texel centres or mesh vertices. The truth is the first hit of the view ray with the tile's own mesh.
 // Both parameters are mapped back to the tile's surface; the error is the distance of the two points' (x, y), in
-// reference texels, to the nearest periodic copy. Rays that miss the mesh are counted and left out.
+// reference texels, to the nearest periodic copy. Rays that miss the mesh are counted and left out. Pictures are of the
+// published maps and of the cooker's choice.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -16,6 +17,7 @@
 #include "importer/parallel.h"
 #include "importer/progress.h"
 #include "importer/random.h"
+#include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
 #include "material/vdim.h"
@@ -94,6 +96,35 @@ StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples,
   row.set("fetches", fetch_sum / n).set("bytes", uint64_t{candidate.bytes}).set("mean_texels", sum / n);
   row.set("median_texels", percentile(0.5)).set("p95_texels", percentile(0.95)).set("over_1_texel", double(over) / n);
   return row.set("samples", uint64_t{count}).set("cooked", candidate.cooked ? "yes" : "");
+}
+
+// FBTF figure 10: the mean error of each view. The disc of views has zenith as radius, 85 degrees at its edge; black
+// is kLeast texels and white kMost.
+Status writeErrorDisc(const Candidate& candidate, const TileTracer& tracer, const std::string& tile, const StudyOptions& options) {
+  constexpr int kSide = 128, kPoints = 128;
+  constexpr double kLeast = 0.01, kMost = 10;
+  std::vector<double> errors(size_t(kSide) * kSide, -1);
+  parallelFor(errors.size(), options.threads, [&](size_t pixel) {
+    const FlushDenormals flush;
+    const glm::dvec2 at = (glm::dvec2(double(pixel % kSide), double(pixel / kSide)) + .5) * (2.0 / kSide) - 1.0;
+    if (glm::length(at) >= 1) return;
+    const glm::dvec3 wo = directionFromSpherical({glm::length(at) * kThetaMax, std::atan2(at.y, at.x)});
+    const uint64_t seed = mixSeed(0xF10, pixel);
+    double sum = 0;
+    int hits = 0;
+    for (int k = 0; k < kPoints; ++k) {
+      const glm::dvec2 x(uniform(seed, 2 * k), uniform(seed, 2 * k + 1));
+      const auto hit = tracer.intersectView(x, wo);
+      if (!hit) continue;
+      const auto point = surfaceAt(*candidate.geometry, candidate.find(x, wo).p);
+      sum += periodicDistance(glm::dvec2(point.position), glm::dvec2(hit->position)) * options.size;
+      ++hits;
+    }
+    if (hits > 0) errors[pixel] = sum / hits;
+  });
+  std::string name = "vdim-interpolation-" + tile + "-" + (candidate.cooked ? "cooked" : candidate.map) + "-" + candidate.lookup + ".png";
+  std::replace(name.begin(), name.end(), ':', '-');
+  return writeFigure(logarithmicPicture(errors, kSide, kLeast, kMost), options.pictures / name);
 }
 
 // The published map of the bake, blended as published.
@@ -194,6 +225,8 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   Progress progress("vdim-interpolation " + name, candidates.size(), options.quiet);
   for (const Candidate& candidate : candidates) {
     rows.push_back(measure(candidate, samples, name, options));
+    if (!options.pictures.empty() && (candidate.lookup == "paper" || candidate.cooked))
+      if (const Status status = writeErrorDisc(candidate, mesh, name, options); !status) return status.issue();
     progress.advance();
   }
   return {};

@@ -8,8 +8,8 @@
 #include <functional>
 
 #include "importer/parallel.h"
-#include "importer/picture.h"
 #include "importer/progress.h"
+#include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "material/color.h"
 
@@ -56,17 +56,6 @@ class CoherenceSums {
   std::vector<int> views_;
 };
 
-// Black to white over .1 to 100 Lab units, logarithmic, as FBTF figure 11; row 0 (y = 0) at the bottom.
-Picture logarithmicPicture(const std::vector<double>& deviations, int side) {
-  Picture picture{side, side, std::vector<glm::vec4>(deviations.size(), glm::vec4(0, 0, 0, 1))};
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const double value = std::clamp((std::log10(std::max(deviations[size_t(y) * side + x], 0.1)) + 1) / 3, 0.0, 1.0);
-      picture.at(x, side - 1 - y) = glm::vec4(glm::vec3(float(linearFromSrgb(value))), 1);
-    }
-  return picture;
-}
-
 struct Kind {
   const char* name;
   std::function<Result<std::vector<glm::vec3>>(int view)> values;
@@ -100,9 +89,9 @@ Result<StudyRow> measure(const BakedOutput& baked, const std::string& tile, cons
     largest = std::max(largest, deviation);
   }
   if (!options.pictures.empty()) {
-    std::filesystem::create_directories(options.pictures);
+    constexpr double kLeast = 0.1, kMost = 100;  // Lab, as FBTF figure 11
     const auto path = options.pictures / ("view-coherence-" + tile + "-" + kind.name + ".png");
-    if (const Status status = writePicture(logarithmicPicture(deviations, kind.side), path); !status) return status.issue();
+    if (const Status status = writeFigure(logarithmicPicture(deviations, kind.side, kLeast, kMost), path); !status) return status.issue();
   }
   StudyRow row;
   row.set("tile", tile).set("size", kind.side).set("kind", kind.name).set("mean", sum / std::max(1, counted)).set("max", largest);

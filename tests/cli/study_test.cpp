@@ -55,7 +55,8 @@ TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
     SCOPED_TRACE(study);
     // The paper's five levels need a side of 16. The tile stands before the name: a list must not take it in.
     const std::string size = study == "lod-fit" || study == "minification" ? "16" : "8";
-    const ToolRun run = loden({"study", "--size", size, "--bakes", scratch.path(), "--tile", "pulli", study, "--format", "json", "-q"});
+    const ToolRun run = loden({"study", "--size", size, "--bakes", scratch.path(), "--tile", "pulli", study, "--format", "json", "--pictures",
+                                scratch / "pictures", "-q"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     const auto json = nlohmann::json::parse(run.out, nullptr, false);
     ASSERT_TRUE(json.is_object()) << run.out;
@@ -65,6 +66,11 @@ TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
     for (const auto& row : json["rows"])
       for (const std::string& key : keys) EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
   }
+  for (const char* picture : {"flat-reconstruction-pulli-16-linear-flat.png", "flat-reconstruction-pulli-16-linear-difference.png",
+                              "vdim-interpolation-pulli-latlong-8x32-paper.png", "view-coherence-pulli-flat-visible.png",
+                              "abrdf-size-pulli-1-btf-texel.png", "abrdf-size-pulli-2-flat-nearest-view-point.png",
+                              "lod-fit-bytes.svg", "minification.svg"})
+    EXPECT_TRUE(std::filesystem::exists(scratch / "pictures" / picture)) << picture;
 }
 
 TEST(Study, TimeError_HasItsKeysInEveryRow) {

@@ -186,12 +186,13 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
                  std::to_string(counters.misses) + " of " + std::to_string(counters.hits_due) +
                      " view rays meet no surface: the tile has holes or does not cover its period"};
   }
-  if (ready->complete()) {
+  const bool complete = std::all_of(items.items().begin(), items.items().end(), present);
+  if (complete) {
     const auto fill = [&] { return arena.execute([&] { return fillFromViews(folder, manifest, options.quiet); }); };
     if (const Status status = ready->finish(fill); !status) return status.issue();
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return BakeReport{manifest, counters.rays, seconds, counters.misses};
+  return BakeReport{manifest, complete, counters.rays, seconds, counters.misses};
 }
 
 }  // namespace loden::importer

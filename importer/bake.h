@@ -35,6 +35,7 @@ struct BakeOptions {
 
 struct BakeReport {
   BakeManifest manifest;
+  bool complete = false;  // bake.json is written: no other shard has work left
   uint64_t rays = 0;
   double seconds = 0;
   uint64_t misses = 0;  // rays that should have met the tile and did not

@@ -131,23 +131,6 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
   return result;
 }
 
-bool BakeFolder::complete() const {
-  const BakeManifest& m = manifest_;
-  std::error_code error;
-  for (int view = 0; view < m.directions.size(); ++view) {
-    if (m.has_btf && !fs::exists(btfPath(folder_, view), error)) return false;
-    if (m.has_flat && !(fs::exists(flatPath(folder_, view), error) && fs::exists(visiblePath(folder_, view), error))) return false;
-  }
-  for (const glm::ivec2& size : m.vdims)
-    if (!fs::exists(vdimPath(folder_, size), error)) return false;
-  for (const int side : m.concentric_vdims)
-    if (!fs::exists(concentricVdimPath(folder_, side), error)) return false;
-  if (m.has_surface)
-    for (const char* map : {"geometry", "normal", "diffuse", "specular"})
-      if (!fs::exists(surfacePath(folder_, map), error)) return false;
-  return true;
-}
-
 Status BakeFolder::finish(const std::function<Status()>& last) const {
   ShardLock lock;
   if (shared_)

@@ -17,8 +17,6 @@ class BakeFolder {
   static Result<BakeFolder> prepare(const std::filesystem::path& folder, const BakeManifest& manifest, bool resume, bool shared);
 
   const std::filesystem::path& path() const { return folder_; }
-  // All files that the manifest's maps ask for exist.
-  bool complete() const;
   // Runs `last`, writes bake.json, and takes the mark of the unfinished bake away. Shards that find the bake
   // complete do this one after the other; `last` must give the same when it runs again.
   Status finish(const std::function<Status()>& last) const;

@@ -58,7 +58,6 @@ class MaterialSource : public BtfSource {
   glm::ivec2 size() const override { return glm::ivec2(sampling_.side); }
   const DirectionSet& lights() const override { return sampling_.lights; }
   const DirectionSet& views() const override { return sampling_.views; }
-  bool cosineIncluded() const override { return evaluator_.material().cosine_included; }
 
   Result<std::vector<glm::vec3>> view(int view) const override {
     const int side = sampling_.side, lights = sampling_.lights.size();

@@ -20,8 +20,7 @@ class BtfSource {
   virtual glm::ivec2 size() const = 0;  // texels, width and height
   virtual const DirectionSet& lights() const = 0;
   virtual const DirectionSet& views() const = 0;
-  // True if values are multiplied by the light's cosine (white Lambert: cos theta_i), false if not (1).
-  virtual bool cosineIncluded() const { return true; }
+  // Values with the light's cosine in them (white Lambert: cos theta_i),
   // [light][texel] linear RGB, texel = j * width + i. Thread safe.
   virtual Result<std::vector<glm::vec3>> view(int view) const = 0;
 };

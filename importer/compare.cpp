@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 
 #include "importer/flip.h"
@@ -108,20 +107,16 @@ Result<BtfDifference> compareBtfs(const BtfSource& reference, const BtfSource& t
   if (const Status status = checkComparable(reference, test, options.level); !status) return status.issue();
   const size_t count = (reference.views().size() + options.every - 1) / options.every;
   std::vector<std::optional<ViewDifference>> views(count);
-  std::optional<Issue> issue;
-  std::mutex issue_mutex;
+  std::vector<std::optional<Issue>> issues(count);  // the first view's is told, whichever thread was first
   Progress progress("compare", count, options.quiet);
   parallelFor(count, options.threads, [&](size_t i) {
     auto difference = compareView(reference, test, options, static_cast<int>(i) * options.every);
-    if (difference) {
-      views[i] = std::move(*difference);
-    } else {
-      const std::lock_guard lock(issue_mutex);
-      issue = difference.issue();
-    }
+    if (difference) views[i] = std::move(*difference);
+    else issues[i] = difference.issue();
     progress.advance();
   });
-  if (issue) return *issue;
+  for (const auto& issue : issues)
+    if (issue) return *issue;
   return merged(views, reference.views(), options.every);
 }
 

@@ -31,7 +31,7 @@ glm::dmat3 xyzFromRgbMatrix() {
   return m;
 }
 
-// YCxCz, the opponent space of section 4.1, and back.
+// YCxCz, the opponent space that is filtered, and back.
 glm::dvec3 yccFromXyz(const glm::dvec3& xyz) {
   const glm::dvec3 n = xyz / kWhite;
   return {116 * n.y - 16, 500 * (n.x - n.y), 200 * (n.y - n.z)};
@@ -105,7 +105,7 @@ Planes opponentPlanes(std::span<const glm::vec3> rgb, int width, int height) {
   return planes;
 }
 
-// Section 4.1: contrast sensitivity of the eye, a sum of Gaussians per channel: a sqrt(pi / b) exp(-pi^2 x^2 / b).
+// Spatial filters: contrast sensitivity of the eye, a sum of Gaussians per channel: a sqrt(pi / b) exp(-pi^2 x^2 / b).
 Planes filteredByContrast(const Planes& in, double ppd) {
   struct Term {
     double a, b;
@@ -129,7 +129,7 @@ Planes filteredByContrast(const Planes& in, double ppd) {
   return out;
 }
 
-// Section 4.2: what is seen, as Hunt-adjusted Lab.
+// Colour pipeline: what is seen, as Hunt-adjusted Lab.
 std::vector<glm::dvec3> perceivedColors(const Planes& opponent, double ppd) {
   const Planes filtered = filteredByContrast(opponent, ppd);
   const glm::dmat3 xyz_from_rgb = xyzFromRgbMatrix();
@@ -167,7 +167,7 @@ struct Features {
   Plane edges, points;
 };
 
-// Section 4.3: edges and points, by first and second derivatives of a Gaussian 0.082 degrees wide.
+// Feature pipeline: edges and points, by first and second derivatives of a Gaussian 0.082 degrees wide.
 Features detectFeatures(const Planes& opponent, double ppd) {
   const double sigma = 0.5 * 0.082 * ppd;
   const int radius = static_cast<int>(std::ceil(3 * sigma));
@@ -210,7 +210,7 @@ FlipError flip(std::span<const glm::vec3> reference, std::span<const glm::vec3> 
     const double color = remappedColorDifference(hyab(colors_r[i], colors_t[i]));
     const double feature = std::max(std::abs(features_r.edges[i] - features_t.edges[i]),
                                     std::abs(features_r.points[i] - features_t.points[i]));
-    const double value = std::pow(color, 1 - std::sqrt(feature / std::sqrt(2.0)));  // eq. of section 4.4
+    const double value = std::pow(color, 1 - std::sqrt(feature / std::sqrt(2.0)));  // colour and feature differences joined
     error.mean += value;
     error.max = std::max(error.max, value);
     error.pixels.push_back(static_cast<float>(value));

@@ -91,7 +91,6 @@ class RepairedSource : public BtfSource {
   glm::ivec2 size() const override { return source_->size(); }
   const DirectionSet& lights() const override { return source_->lights(); }
   const DirectionSet& views() const override { return source_->views(); }
-  bool cosineIncluded() const override { return source_->cosineIncluded(); }
 
   Result<std::vector<glm::vec3>> view(int view) const override {
     auto values = source_->view(view);

@@ -10,7 +10,7 @@
 
 namespace loden::asset {
 
-// What table and HEAD say, and META if it is there.
+// What table and HEAD say.
 struct Contents {
   std::vector<ChunkInfo> chunks;
   int present = 0;         // chunks, from the front, that lie wholly inside the source

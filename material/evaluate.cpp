@@ -236,11 +236,6 @@ T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
 }
 
 template <class T>
-T cosineFactor(const Material& material, const glm::vec<3, T>& wi, const glm::vec<2, T>& tilt) {
-  return material.cosine_included || material.mode == Mode::kSurface ? T(1) : std::max(tilted(tilt, wi).z, T(0));
-}
-
-template <class T>
 Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax,
                           const LocalSurface<T>& surface) const {
   Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)})};
@@ -273,7 +268,7 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_t
 
   const T theta_max = T(m.theta_max);
   const V3<T> light = clampTheta(wi, theta_max), view = clampTheta(wo, theta_max);
-  const T fade = m.cosine_included ? std::min(wi.z / std::cos(theta_max), T(1)) : T(1);
+  const T cosine = m.cosine_included ? std::min(wi.z / std::cos(theta_max), T(1)) : wi.z;
   const V3<T> mean = evaluateMean(m.mean, light, view);
   TablePosition<T> at;
   at.light = gridPosition(light, theta_max);
@@ -285,7 +280,7 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_t
     const T weight = windowWeight(band.window, hit.lambda);
     if (weight > 0) ycc += weight * evaluateBand(band, m.theta_max, hit, at, mean);
   }
-  return glm::max(rgbFromYcc(ycc), V3<T>(0)) * fade;
+  return glm::max(rgbFromYcc(ycc), V3<T>(0)) * cosine;
 }
 
 void Evaluator::prepareEnvironment() {
@@ -331,8 +326,6 @@ glm::vec4 tableValue(const Material& material, const Band& band, int quad, const
 
 template float parallaxFade(const Material&, float, const glm::vec<3, float>&);
 template double parallaxFade(const Material&, double, const glm::vec<3, double>&);
-template float cosineFactor(const Material&, const glm::vec<3, float>&, const glm::vec<2, float>&);
-template double cosineFactor(const Material&, const glm::vec<3, double>&, const glm::vec<2, double>&);
 template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup, Parallax,
                                          const LocalSurface<float>&) const;
 template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup, Parallax,

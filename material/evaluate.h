@@ -34,12 +34,6 @@ enum class Parallax : uint32_t { kFull, kFaded };
 template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo);
 
-// cos(theta_i) where the asset's values leave it out, else 1:
-//   radiance = irradiance * value_scale * cosineFactor * Evaluator::evaluate
-// tilt: Hit::tilt. Mirrors loden_cosine_factor, which loden_evaluate multiplies by itself.
-template <class T>
-T cosineFactor(const Material& material, const glm::vec<3, T>& wi, const glm::vec<2, T>& tilt = glm::vec<2, T>(0));
-
 // Keeps what is derived from a material: VDIM atlas (of Material::atlas), nearest-direction images. The material must
 // outlive it.
 class Evaluator {
@@ -55,7 +49,8 @@ class Evaluator {
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
                  Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;
 
-  // Linear RGB as the asset stores it, white Lambert lit from above = 1; where a fit undershoots black, 0.
+  // Linear RGB, white Lambert lit from above = 1: pi f_r cos(theta_i), also where the asset's values leave the cosine
+  // out; radiance = irradiance * value_scale * this. Not negative: where a fit undershoots black, 0.
   template <class T>
   glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
 

@@ -28,8 +28,7 @@ struct GeometryImage {
 };
 
 // Encodes positions (P, tile periods, P.xy near p) with charts (0 = none) of a side x side image,
-// row-major; picks the range, from charts != 0; other
-// positions are clamped to it. z must be <= 0.
+// row-major; picks the range, from charts != 0; other positions are clamped to it. z must be <= 0.
 GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> positions, std::span<const uint16_t> charts,
                                   bool identity_parameterization);
 

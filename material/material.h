@@ -42,7 +42,7 @@ struct Material {
   float lambda_max = 0;   // the last level that any band gives
   float value_scale = 1;  // radiance per unit perpendicular irradiance = value_scale * value; 1/pi for white = 1
   bool cosine_included = true;
-  // Beyond this theta tables repeat their last row and fade with cos(theta) / cos(theta_max); radians.
+  // Beyond this theta tables repeat their last row, and fade with cos(theta) / cos(theta_max) if the cosine is included; radians.
   float theta_max = static_cast<float>(75.0 * kPi / 180.0);
   PhongMean mean;
   DirectionSet lights, views;    // of nearest-layout tables; empty otherwise

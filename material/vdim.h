@@ -18,8 +18,9 @@ namespace loden {
 // Views beyond this are looked up at it, in the maps and in the search; radians.
 inline constexpr double kThetaMax = 85.0 * kPi / 180.0;
 
-// As published: latlong Z x A directions, theta_z = kThetaMax * z / (Z - 1), phi_a = 2 pi a / (A - 1) (the
-// last column repeats the first, the pole row repeats one value).
+// The published map (FBTF 3.5): latlong Z x A directions, theta_z = kThetaMax * z / (Z - 1), phi_a = 2 pi a / (A - 1) (the
+// last column repeats the first, the pole row repeats one value). The paper's zeniths end at 90 degrees, where displacements
+// grow without bound; ours end at kThetaMax, which is kinder to it.
 struct PaperVdim {
   int side = 0;      // reference texels per side
   int zeniths = 0, azimuths = 0;
@@ -33,7 +34,7 @@ struct PaperVdim {
 
 // Texels x directions of the atlas; bytes = texels^2 * directions^2 + volume + packed geometry. Few directions cost
 // missed occluders, few texels long searches; which split is best depends on the tile, so an asset names its own
-// (Material::atlas). By default one that is good for all of them, .45 MB with the rest.
+// (Material::atlas). By default one that is good for all of them, .41 MB with the rest.
 struct VdimAtlasSize {
   int texels = 28;
   int directions = 20;

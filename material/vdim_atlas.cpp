@@ -106,7 +106,9 @@ class ShearedPatches {
   // Of the samples (i + .5) / n between the least and the largest place of four corners along one axis; rather one
   // too many than one too few.
   void findSpans(const Corners& at, size_t begin, float slope, float n, Spans& spans) const {
-    constexpr float kMargin = 2e-3f, kPositive = 4096;  // samples; the conversion rounds towards 0
+    // Samples. The conversion rounds towards 0, so all is moved above it: no patch lies further out than the deepest tile's
+    // under the flattest view.
+    constexpr float kMargin = 2e-3f, kPositive = 8192;
     const float *a = &at[0][begin], *b = &at[1][begin], *c = &at[2][begin], *d = &at[3][begin];
     const Corners& z = corners_[2];
     const float *az = &z[0][begin], *bz = &z[1][begin], *cz = &z[2][begin], *dz = &z[3][begin];

@@ -270,7 +270,7 @@ glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const gl
   T phi = wo.x == 0 && wo.y == 0 ? T(0) : std::atan2(wo.y, wo.x);
   if (phi < 0) phi += T(2 * kPi);
   const V2 size(T(vdim.azimuths), T(vdim.zeniths));
-  // alpha = (n - 1) / n and beta = 1 / (2n) of FBTF 3.5, in texels: no blending across texels' blocks.
+  // FBTF 3.5 leaves open which alpha and beta keep texels' blocks apart: (n - 1) / n and 1 / (2n), here in texels.
   const V2 within = V2(phi / T(2 * kPi), theta / T(kThetaMax)) * (size - T(1)) + T(0.5);
   const V2 uv = (texel * size + within) / (T(vdim.side) * size);
   const glm::vec<4, T> entry = sampleRepeat(vdim.packed, 0, 0, uv);

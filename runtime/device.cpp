@@ -45,11 +45,10 @@ Capabilities queryCapabilities() {
   c.program_binary_formats = integer(GL_NUM_PROGRAM_BINARY_FORMATS);
   if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic"))
     glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &c.max_anisotropy);
-  constexpr int kRendererUnits = 3;  // shadow map, environment and the like
-  checkLimit(c.missing, "textures per fragment shader", c.max_fragment_textures, LODEN_UNIT_FIRST_FREE + kRendererUnits);
+  checkLimit(c.missing, "textures per fragment shader", c.max_fragment_textures, 16);  // of one material: MaterialSystem::load
   checkLimit(c.missing, "texture side", c.max_texture_side, 16384);
   checkLimit(c.missing, "volume texture side", c.max_volume_side, 2048);
-  checkLimit(c.missing, "texture array layers", c.max_array_layers, 1024);
+  checkLimit(c.missing, "texture array layers", c.max_array_layers, 2048);
   checkLimit(c.missing, "uniform block bytes", c.max_uniform_block_bytes, int(sizeof(LodenMaterialData)));
   return c;
 }

@@ -24,7 +24,7 @@ struct DeviceOptions {
   glm::ivec2 size{800, 600};  // of the window, pixels
   std::string title = "Loden";
   bool vsync = true;
-  bool debug = true;  // a debug context; driver messages of low severity and above go to `log`. Not of kCurrent
+  bool debug = false;  // a debug context, slower: driver messages of low severity and above go to `log`. Not of kCurrent
   LogCallback log;    // may be empty
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "material/directions.h"
+#include "material/issues.h"
 #include "runtime/frame_multisample.h"
 #include "runtime/frame_shadow.h"
 #include "runtime/gl_objects.h"
@@ -25,6 +26,14 @@ struct ShadowRelief {
   uint64_t revision = 0;  // MaterialSystem::reliefRevision
   std::optional<float> lambda;
   friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
+};
+
+// What a pass draws with: set again only where the next object wants another.
+struct PassProgram {
+  std::string_view row;
+  MaterialId material;
+  uint32_t program = 0;
+  int changes = 0;
 };
 
 // A visible object.
@@ -55,6 +64,19 @@ void setEnvironment(const Environment& environment, SceneFrame& data) {
     data.environment_suns[2 * k] = glm::vec4(environment.suns[k].direction, 0);
     data.environment_suns[2 * k + 1] = glm::vec4(environment.suns[k].irradiance * static_cast<float>(kPi), 0);
   }
+}
+
+// The shadow map lies behind the units of every material.
+Status checkUnits(const GpuScene& scene, const Device& device, const MaterialSystem& materials) {
+  const int available = device.capabilities().max_fragment_textures;
+  if (available <= SCENE_UNIT_SHADOW)
+    return Issue{issue_id::kGlContext, Severity::kError, "frame", "the sample renderer needs 30 texture units, and the driver has " + std::to_string(available)};
+  for (const auto& asset : scene.assets) {
+    const MaterialVariant variant = materials.variant(asset.material.id());
+    if (variant.first_unit + unitsOf(variant) > SCENE_UNIT_SHADOW)
+      return Issue{issue_id::kOption, Severity::kError, asset.name, "takes the shadow map's texture unit; make the material system with a lower first_unit"};
+  }
+  return {};
 }
 
 GlBuffer makeFrameUniforms(const char* label) {
@@ -123,10 +145,11 @@ struct FrameRenderer::Impl {
   void drawObject(int object) const;
   bool movesDepth(MaterialId id) const;
   ShadowRelief shadowRelief() const;
-  Status useDepthProgram(int object);
+  Status use(std::string_view row, MaterialId id, PassProgram& current);
+  Status useForDepth(int object, PassProgram& current);
+  Status useForShading(int object, PassProgram& current);
   Status drawShadowMap();
   Status drawDepth();
-  Result<uint32_t> useMaterial(MaterialId id, bool curved);
   Status drawShaded();
   Status drawView(const FrameTarget& target);
 };
@@ -217,16 +240,33 @@ ShadowRelief FrameRenderer::Impl::shadowRelief() const {
   return {true, materials.reliefRevision(), settings.lambda};
 }
 
-// The program that draws an object's depth, as the camera or the sun sees it.
-Status FrameRenderer::Impl::useDepthProgram(int object) {
-  const MaterialId id = materialOf(object);
-  const bool relief = movesDepth(id);
-  const char* row = scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth";
-  const Result<uint32_t> program = relief ? shaders.program(row, materials.variant(id)) : shaders.program("scene_depth", {});
+Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, PassProgram& current) {
+  if (current.program != 0 && current.row == row && current.material == id) return {};
+  const Result<uint32_t> program = shaders.program(row, id ? materials.variant(id) : MaterialVariant{});
   if (!program) return program.issue();
+  if (current.program != *program) ++current.changes;
   glUseProgram(*program);
-  if (relief) materials.bind(id);
+  if (id) materials.bind(id);
+  current = {row, id, *program, current.changes};
   return {};
+}
+
+bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
+  return settings.parallax_depth && id && hasRelief(materials.variant(id));
+}
+
+// An object's depth, as the camera or the sun sees it.
+Status FrameRenderer::Impl::useForDepth(int object, PassProgram& current) {
+  const MaterialId id = materialOf(object);
+  if (!movesDepth(id)) return use("scene_depth", {}, current);
+  return use(scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth", id, current);
+}
+
+Status FrameRenderer::Impl::useForShading(int object, PassProgram& current) {
+  const MaterialId id = materialOf(object);
+  const bool curved = scene.objects[object].curved && id && hasRelief(materials.variant(id));
+  if (movesDepth(id)) return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, current);
+  return use(curved ? "scene_forward_curved" : "scene_forward", id, current);
 }
 
 Status FrameRenderer::Impl::drawShadowMap() {
@@ -239,8 +279,9 @@ Status FrameRenderer::Impl::drawShadowMap() {
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, shadow_uniforms.name());
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.0f, 2.0f);
+  PassProgram current;
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    if (Status status = useDepthProgram(static_cast<int>(i)); !status) return status;
+    if (Status status = useForDepth(static_cast<int>(i), current); !status) return status;
     drawObject(static_cast<int>(i));
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -253,28 +294,14 @@ Status FrameRenderer::Impl::drawDepth() {
   if (!settings.depth_prepass) return {};
   const GlDebugGroup group("depth pre-pass");
   setColorMask(GL_FALSE);
+  PassProgram current;
   for (const Drawable& drawable : visible) {
-    if (Status status = useDepthProgram(drawable.object); !status) return status;
+    if (Status status = useForDepth(drawable.object, current); !status) return status;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
   }
   setColorMask(GL_TRUE);
   return {};
-}
-
-bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
-  return settings.parallax_depth && id && hasRelief(materials.variant(id));
-}
-
-Result<uint32_t> FrameRenderer::Impl::useMaterial(MaterialId id, bool curved) {
-  const char* row = movesDepth(id) ? "scene_forward_depth" : "scene_forward";
-  if (curved && id && hasRelief(materials.variant(id)))
-    row = movesDepth(id) ? "scene_forward_depth_curved" : "scene_forward_curved";
-  const Result<uint32_t> program = shaders.program(row, id ? materials.variant(id) : MaterialVariant{});
-  if (!program) return program;
-  glUseProgram(*program);
-  if (id) materials.bind(id);
-  return program;
 }
 
 // By material and the way its surface is looked up, front to back within each.
@@ -286,20 +313,14 @@ Status FrameRenderer::Impl::drawShaded() {
   };
   std::stable_sort(order.begin(), order.end(), [&](const Drawable& a, const Drawable& b) { return key(a) < key(b); });
   glDepthFunc(GL_LEQUAL);
-  uint32_t last_program = 0;
-  std::optional<std::pair<uint32_t, bool>> last;
+  PassProgram current;
   for (const Drawable& drawable : order) {
-    if (!last || *last != key(drawable)) {
-      const Result<uint32_t> program = useMaterial(materialOf(drawable.object), scene.objects[drawable.object].curved);
-      if (!program) return program.issue();
-      stats.program_changes += *program != last_program;
-      last_program = *program;
-      last = key(drawable);
-    }
+    if (Status status = useForShading(drawable.object, current); !status) return status;
     drawObject(drawable.object);
     ++stats.draw_calls;
     stats.triangles += uint64_t(scene.meshes[scene.objects[drawable.object].mesh].index_count) / 3;
   }
+  stats.program_changes += current.changes;
   return {};
 }
 
@@ -322,6 +343,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
   const GlDrawStateScope scope(0, 0);
   auto gpu = uploadScene(scene, device, materials);
   if (!gpu) return gpu.issue();
+  if (const Status status = checkUnits(*gpu, device, materials); !status) return status.issue();
   auto impl = std::unique_ptr<Impl>(new Impl{shaders, materials, std::move(gpu.value()),
                                              makeFrameUniforms("frame uniforms"), makeFrameUniforms("shadow uniforms"),
                                              {}, {}, {}, {}, {}, {}, {}, {}});

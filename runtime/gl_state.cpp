@@ -16,13 +16,10 @@ constexpr GLenum kPixelStore[] = {
 struct Target {
   GLenum target, binding;
 };
+// Those that drawing binds; glBindTextureUnit with a texture leaves a unit's other targets as they are.
 constexpr Target kTargets[] = {{GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
                                {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
-                               {GL_TEXTURE_3D, GL_TEXTURE_BINDING_3D},
-                               {GL_TEXTURE_CUBE_MAP, GL_TEXTURE_BINDING_CUBE_MAP},
-                               {GL_TEXTURE_BUFFER, GL_TEXTURE_BINDING_BUFFER},
-                               {GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE},
-                               {GL_TEXTURE_1D, GL_TEXTURE_BINDING_1D}};
+                               {GL_TEXTURE_3D, GL_TEXTURE_BINDING_3D}};
 
 constexpr GLenum kSwitches[] = {GL_CULL_FACE,
                                 GL_DEPTH_TEST,

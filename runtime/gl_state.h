@@ -34,7 +34,7 @@ class GlDrawStateScope {
 
  private:
   struct Unit {
-    std::array<int32_t, 7> textures{};  // per target of kTargets
+    std::array<int32_t, 3> textures{};  // per target of kTargets
     int32_t sampler = 0;
   };
   struct UniformBinding {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "material/color.h"
+#include "runtime/gl_state.h"
 #include "runtime/gl_texture.h"
 
 namespace loden::runtime {
@@ -59,10 +60,10 @@ void SharedTextures::contextLost() {
   nearest_.clear();
 }
 
-std::array<uint32_t, LODEN_UNIT_FIRST_FREE> SharedTextures::emptyUnits(const MaterialVariant& variant) const {
-  std::array<uint32_t, LODEN_UNIT_FIRST_FREE> units;
-  units.fill(empty_array_.name());
-  for (int b = 0; b < LODEN_MAX_BANDS; ++b) units[size_t(LODEN_UNIT_TABLE + b)] = units[size_t(LODEN_UNIT_ENVIRONMENT + b)] = empty_volume_.name();
+std::vector<uint32_t> SharedTextures::emptyUnits(const MaterialVariant& variant) const {
+  std::vector<uint32_t> units(size_t(unitsOf(variant)), empty_array_.name());
+  for (int b = 0; b < variant.bands; ++b)
+    units[size_t(LODEN_UNIT_TABLE(variant.bands) + b)] = units[size_t(LODEN_UNIT_ENVIRONMENT(variant.bands) + b)] = empty_volume_.name();
   units[LODEN_UNIT_GEOMETRY] = empty_2d_.name();
   units[LODEN_UNIT_VDIM_VOLUME] = empty_volume_.name();
   if (variant.nearest_tables)
@@ -117,6 +118,7 @@ void MaterialGpu::createSurfaceStandIns() {
 }
 
 void MaterialGpu::fadeStandIns(float share) {
+  const GlPixelStateScope scope;
   for (StandIn& stand_in : stand_ins_) {
     storeTexel(stand_in.texel.texels, 0, 0, 0, 0, glm::mix(stand_in.mean, stand_in.average, share));
     writeWhole(stand_in.texel, stand_in.texture);
@@ -173,8 +175,8 @@ bool MaterialGpu::publish(const ResidentState& state) {
 }
 
 void MaterialGpu::bind() const {
-  glBindTextures(0, GLsizei(bound_.size()), bound_.data());
-  glBindSamplers(0, GLsizei(bound_.size()), nullptr);
+  glBindTextures(variant_.first_unit, GLsizei(bound_.size()), bound_.data());
+  glBindSamplers(variant_.first_unit, GLsizei(bound_.size()), nullptr);
   glBindBufferBase(GL_UNIFORM_BUFFER, LODEN_BLOCK_MATERIAL, block_.name());
 }
 

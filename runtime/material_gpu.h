@@ -21,7 +21,7 @@ class SharedTextures {
   void create();
   void contextLost();
   // One name per unit, for units that hold no part.
-  std::array<uint32_t, LODEN_UNIT_FIRST_FREE> emptyUnits(const MaterialVariant& variant) const;
+  std::vector<uint32_t> emptyUnits(const MaterialVariant& variant) const;
   // The image of nearestDirectionLookup, shared by those that ask for the same set while one of them keeps it.
   std::shared_ptr<const GlTexture> nearestImage(const DirectionSet& set);
 
@@ -76,7 +76,7 @@ class MaterialGpu {
   std::vector<StandIn> stand_ins_;
   std::shared_ptr<const GlTexture> nearest_light_, nearest_view_;  // of tables of layout 0
   bool stand_ins_shown_ = true;
-  std::array<uint32_t, LODEN_UNIT_FIRST_FREE> empty_{}, bound_{};
+  std::vector<uint32_t> empty_, bound_;  // by unit, of unitsOf(variant_)
 };
 
 }  // namespace loden::runtime

@@ -97,10 +97,11 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Sha
   LoadedPart part;
   if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::lead, *band);
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
-  part.textures.push_back({LODEN_UNIT_TABLE + index, table, false, "table", std::move(band->table)});
+  const int bands = static_cast<int>(file.skeleton().bands.size());
+  part.textures.push_back({LODEN_UNIT_TABLE(bands) + index, table, false, "table", std::move(band->table)});
   if (band->light_quads > 0)
     part.textures.push_back({LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
-  part.textures.push_back({LODEN_UNIT_ENVIRONMENT + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
+  part.textures.push_back({LODEN_UNIT_ENVIRONMENT(bands) + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
   return part;
 }
 

@@ -56,9 +56,20 @@ Status checkOptions(const MaterialSystemOptions& options) {
   const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
   if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
   if (!(options.release_seconds > 0)) return issue("release_seconds must be above 0");
-  if (options.atlas_size && (options.atlas_size->texels < 1 || options.atlas_size->directions < 1))
-    return issue("atlas_size must be at least 1 texel and 1 direction");
+  constexpr int kTexels = AssetLimits::kMaxAtlasTexels, kDirections = AssetLimits::kMaxAtlasDirections;
+  if (const auto& size = options.atlas_size; size && (size->texels < 1 || size->directions < 1 || size->texels > kTexels || size->directions > kDirections))
+    return issue("atlas_size must be 1 to 128 texels and 1 to 45 directions");
+  if (options.first_unit < 0 || options.first_unit > 255) return issue("first_unit must be 0 to 255");
   return {};
+}
+
+// Where the material's textures go.
+Status placeUnits(MaterialVariant& variant, const MaterialSystemOptions& options, const Capabilities& capabilities, const std::string& name) {
+  variant.first_unit = static_cast<uint8_t>(options.first_unit);
+  const int needed = options.first_unit + unitsOf(variant);
+  if (needed <= capabilities.max_fragment_textures) return {};
+  return Issue{issue_id::kLimit, Severity::kError, name,
+               "needs texture units up to " + std::to_string(needed) + ", and the driver has " + std::to_string(capabilities.max_fragment_textures)};
 }
 
 }  // namespace
@@ -113,7 +124,7 @@ struct MaterialSystem::Impl {
   uint64_t relief_revision = 0;
   MaterialStats stats;
   std::atomic<uint64_t> read_bytes{0};
-  LoadingThreads loader;  // last: its threads read the rest
+  LoadingThreads loader;  // last: its threads end first; they get copies, and share read_bytes
 };
 
 Result<std::unique_ptr<MaterialSystem>> MaterialSystem::create(const Device& device,
@@ -142,6 +153,7 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   const auto file = std::make_shared<const AssetFile>(std::move(*opened));
   Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
   if (!variant) return variant.issue();
+  if (Status status = placeUnits(*variant, impl.options, impl.device->capabilities(), name); !status) return status.issue();
   std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, impl.options.atlas_size.value_or(file->skeleton().atlas));
   if (Status status = checkExtents(file->skeleton(), plan, impl.device->capabilities()); !status)
     return status.issue();
@@ -206,7 +218,6 @@ void MaterialSystem::demand(MaterialId id, float lambda) {
 
 void MaterialSystem::update(float seconds) {
   Impl& impl = *impl_;
-  const GlPixelStateScope scope;
   impl.takeDeliveries();
   impl.pumpUploads();
   const Residency::Actions& actions = impl.residency.advance(seconds);
@@ -230,7 +241,6 @@ void MaterialSystem::finishLoading() {
     update(0);
   } while (!impl.residency.settled());
   impl.residency.endFades();
-  const GlPixelStateScope scope;
   impl.publishActive();
 }
 
@@ -276,12 +286,15 @@ void MaterialSystem::Impl::fail(PartRef ref, Issue issue) {
   issue.text += "; a coarser level is shown instead";
   device->log(issue);
   ++stats.failed_parts;
+  if (issue.id == issue_id::kMemory) ++stats.failed_memory;
   residency.failed(ref);
 }
 
 void MaterialSystem::Impl::pumpUploads() {
   const auto bound = int64_t(std::clamp<uint64_t>(options.upload_bytes_per_frame, 1, INT64_MAX));  // a step uploads a row at least
   int64_t budget = bound;
+  std::optional<GlPixelStateScope> scope;
+  if (!uploads.empty()) scope.emplace();
   while (!uploads.empty()) {
     UploadJob& job = uploads.front();
     const Pumped pumped = pumpJob(job, budget);

@@ -17,7 +17,7 @@
 
 namespace loden::runtime {
 
-// Index and generation; stays invalid after unload. 0 is no material.
+// Index and generation: stays invalid after unload, until a slot has been used 4096 times. 0 is no material.
 struct MaterialId {
   uint32_t value = 0;
   explicit operator bool() const { return value != 0; }
@@ -32,6 +32,7 @@ struct MaterialSystemOptions {
   Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM
   // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with a small one.
   std::optional<VdimAtlasSize> atlas_size = {};
+  int first_unit = 0;                           // texture unit that a material's begin at; what lies below stays the engine's
   int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
 };
 
@@ -46,7 +47,8 @@ struct MaterialStats {
   uint64_t uploaded_bytes = 0;   // since the start
   uint64_t uploaded_last_frame = 0;
   uint64_t evicted_parts = 0;
-  uint64_t failed_parts = 0;
+  uint64_t failed_parts = 0;  // could not be read, or had no room in the driver's or the process's memory
+  uint64_t failed_memory = 0;  // of these the latter
 };
 
 class MaterialSystem {
@@ -78,8 +80,8 @@ class MaterialSystem {
   // Updates until every demanded part is resident, or cannot be, and shows it without a fade; for captures and tests.
   void finishLoading();
 
-  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and texture
-  // units 0 to LODEN_UNIT_FIRST_FREE - 1). The one call that leaves GL state behind.
+  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and unitsOf(variant(id))
+  // texture units from MaterialSystemOptions::first_unit on). The one call that leaves GL state behind.
   void bind(MaterialId id);
   // The smallest lambda that the shader will use: detail below it is not resident.
   float residentLambda(MaterialId id) const;

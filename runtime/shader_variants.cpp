@@ -53,25 +53,29 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
     if (rowAllows(row, variant)) variants.push_back(variant);
   };
   addIfAllowed({});
-  for (const LookupName& lookup : kLookups)
-    for (const bool counted : {false, true}) {
-      addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup.lookup, false, counted});
-      for (const bool nearest : {false, true})
-        for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
-          for (const bool light_factor : {false, true})
-            addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup.lookup, nearest, counted, light_factor});
-    }
+  for (const LookupName& lookup : kLookups) {
+    addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup.lookup});
+    for (const bool nearest : {false, true})
+      for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
+        for (const bool light_factor : {false, true})
+          addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup.lookup, nearest, light_factor});
+  }
   return variants;
+}
+
+int unitsOf(const MaterialVariant& variant) {
+  if (variant.kind == MaterialVariant::Kind::kNone) return 0;
+  return LODEN_UNITS(variant.kind == MaterialVariant::Kind::kSurface ? 1 : variant.bands);
 }
 
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   std::vector<std::string> defines;
   if (variant.kind == MaterialVariant::Kind::kSurface) defines.push_back("LODEN_MODE_SURFACE 1");
   if (variant.kind == MaterialVariant::Kind::kBands) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
+  if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
   if (variant.light_factor) defines.push_back("LODEN_LIGHT_FACTOR 1");
   if (const char* define = lookupName(variant.lookup).define) defines.push_back(define);
-  if (variant.count_fetches) defines.push_back("LODEN_COUNT_FETCHES 1");
   return defines;
 }
 
@@ -81,7 +85,8 @@ std::string variantName(const MaterialVariant& variant) {
   if (variant.nearest_tables) name += "-nearest";
   if (variant.light_factor) name += "-light";
   name += std::string("-") + lookupName(variant.lookup).name;
-  return variant.count_fetches ? name + "-counted" : name;
+  if (variant.first_unit > 0) name += "-from" + std::to_string(variant.first_unit);
+  return name;
 }
 
 }  // namespace loden::runtime

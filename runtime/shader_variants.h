@@ -20,8 +20,8 @@ struct MaterialVariant {
   uint8_t bands = 0;        // of kBands
   Lookup lookup = Lookup::kNone;
   bool nearest_tables = false;  // of kBands: tables are read at the nearest sampled pair
-  bool count_fetches = false;   // the instrumented variant
   bool light_factor = false;    // of kBands: a band has a light factor (material/band.h)
+  uint8_t first_unit = 0;       // texture unit that the material's begin at
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };
 
@@ -55,6 +55,9 @@ inline constexpr ProgramRow kProgramRows[] = {
 // Whether the variant's lookup finds a depth below the reference plane.
 bool hasRelief(const MaterialVariant& variant);
 
+// Texture units that the material's textures take, from its first on (shaders/loden_shared.h).
+int unitsOf(const MaterialVariant& variant);
+
 // A row by name; null if there is none.
 const ProgramRow* findProgramRow(std::string_view name);
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant);
@@ -62,7 +65,7 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant);
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row);
 // "LODEN_BANDS 4", "LODEN_LOOKUP_DEFAULT 1" ...: what follows `#define`.
 std::vector<std::string> variantDefines(const MaterialVariant& variant);
-// "bands4-default-counted"
+// "bands4-default"
 std::string variantName(const MaterialVariant& variant);
 
 }  // namespace loden::runtime

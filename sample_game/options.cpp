@@ -69,6 +69,7 @@ void addOutput(CLI::App& app, Options& options, std::string& size) {
   app.add_option("--capture", options.capture, "Folder for one PNG per frame");
   app.add_option("--contact-sheet", options.contact_sheet, "One PNG with frames from the whole walk");
   app.add_option("--report", options.report, "Times, bytes and counts per frame (JSON)");
+  app.add_flag("--gl-debug", options.gl_debug, "A debug context: the driver's messages are printed");
   app.add_flag("-q,--quiet", options.quiet, "No progress");
   auto* doctor = app.add_flag("--doctor", options.doctor, "Only tell what OpenGL offers here and what it lacks");
   app.add_option("--format", options.json, "Of --doctor")

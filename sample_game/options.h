@@ -35,6 +35,7 @@ struct Options {
   std::optional<float> lambda;
   bool parallax_depth = false;
   bool stream = false;            // headless: do not wait for the loading thread
+  bool gl_debug = false;          // the driver's messages
   bool quiet = false;
   bool doctor = false;            // only tell what OpenGL offers
   bool json = false;              // ... as JSON

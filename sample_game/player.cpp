@@ -59,7 +59,7 @@ float Player::beginFrame() {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
   leave_ = leave_ || pressed(windowOf(device_), GLFW_KEY_ESCAPE);
-  look(seconds);
+  look();
   move(seconds);
   if (!free_ && path_.duration() > 0) {
     path_seconds_ = std::fmod(path_seconds_ + seconds, path_.duration());
@@ -68,7 +68,7 @@ float Player::beginFrame() {
   return seconds;
 }
 
-void Player::look(float) {
+void Player::look() {
   GLFWwindow* window = windowOf(device_);
   glm::dvec2 cursor;
   glfwGetCursorPos(window, &cursor.x, &cursor.y);

@@ -29,7 +29,7 @@ class Player {
                    runtime::FrameSettings& settings);
 
  private:
-  void look(float seconds);
+  void look();
   void move(float seconds);
 
   struct Ui;  // ImGui's context

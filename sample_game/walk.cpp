@@ -33,8 +33,11 @@ int fail(const Issue& issue) {
 
 // Pictures are complete, if coarser, where a part of an asset could not be read: say so.
 int failIfDamaged(const World& world) {
-  const uint64_t failed = world.materials->stats().failed_parts;
+  const uint64_t failed = world.materials->stats().failed_parts, memory = world.materials->stats().failed_memory;
   if (failed == 0) return 0;
+  if (memory > 0)
+    return fail({issue_id::kMemory, Severity::kError, "materials",
+                 "there is no memory for " + std::to_string(memory) + " parts of the assets, and coarser ones were drawn: try a smaller --budget-mb"});
   return fail({issue_id::kTruncated, Severity::kError, "materials",
                std::to_string(failed) + " parts of the assets are damaged or missing and coarser ones were drawn: see loden validate"});
 }

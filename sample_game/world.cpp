@@ -91,6 +91,7 @@ DeviceOptions deviceOptions(const Options& options) {
   device.kind = options.headless ? DeviceKind::kHeadless : DeviceKind::kWindow;
   device.size = options.size;
   device.title = "loden_walk";
+  device.debug = options.gl_debug;
   device.log = printIssue;
   return device;
 }

@@ -31,7 +31,7 @@ LodenTablePosition loden_table_position(vec3 wi, vec3 wo) {
 
 vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
 #ifdef LODEN_TABLES_NEAREST
-  LODEN_COUNT(LODEN_UNIT_TABLE + band, 1);
+  LODEN_COUNT(LODEN_UNIT_TABLE(LODEN_BANDS) + band, 1);
   return texelFetch(loden_table[band], ivec3(at.light_index, at.view_index, quad), 0);
 #else
   vec4 grid = loden_material.bands[band].grid;
@@ -39,7 +39,7 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
   float row = min(floor(view.y), grid.x - 2.0);
   vec3 texel_size = vec3(grid.wz, loden_material.bands[band].mip.w);
   vec3 texel = vec3(light.x + 0.5, row * grid.x + light.y + 0.5, float(quad) * grid.y + view.x + 0.5);
-  LODEN_COUNT(LODEN_UNIT_TABLE + band, 2);
+  LODEN_COUNT(LODEN_UNIT_TABLE(LODEN_BANDS) + band, 2);
   vec4 below = textureLod(loden_table[band], texel * texel_size, 0.0);
   vec4 above = textureLod(loden_table[band], (texel + vec3(0.0, grid.x, 0.0)) * texel_size, 0.0);
   return mix(below, above, view.y - row);

@@ -68,7 +68,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
   do {
     vec4 red = vec4(0.0), green = vec4(0.0), blue = vec4(0.0);
     for (int k = 0; k < LODEN_ENVIRONMENT_BASIS; ++k) {
-      LODEN_COUNT(LODEN_UNIT_ENVIRONMENT + band, 1);
+      LODEN_COUNT(LODEN_UNIT_ENVIRONMENT(LODEN_BANDS) + band, 1);
       vec4 texel = textureLod(loden_environment[band], at, 0.0);
       at.z += texel_size.z;
       red += light.c[k].r * texel;

@@ -2,10 +2,10 @@
 // and defines nothing else.
 
 #ifdef VULKAN
-#define LODEN_BINDING(n) layout(set = LODEN_DESCRIPTOR_SET, binding = n)
+#define LODEN_BINDING(n) layout(set = LODEN_DESCRIPTOR_SET, binding = LODEN_FIRST_UNIT + n)
 #define LODEN_BLOCK(n) layout(std140, set = LODEN_DESCRIPTOR_SET, binding = 32 + n)
 #else
-#define LODEN_BINDING(n) layout(binding = n)
+#define LODEN_BINDING(n) layout(binding = LODEN_FIRST_UNIT + n)
 #define LODEN_BLOCK(n) layout(std140, binding = n)
 #endif
 
@@ -23,8 +23,8 @@ LODEN_BLOCK(LODEN_BLOCK_MATERIAL) uniform LodenMaterialBlock { LodenMaterialData
 
 #ifdef LODEN_BANDS
 LODEN_BINDING(LODEN_UNIT_WEIGHTS) uniform sampler2DArray loden_weights[LODEN_BANDS];  // repeat, trilinear
-LODEN_BINDING(LODEN_UNIT_TABLE) uniform sampler3D loden_table[LODEN_BANDS];           // clamp, linear
-LODEN_BINDING(LODEN_UNIT_ENVIRONMENT) uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
+LODEN_BINDING(LODEN_UNIT_TABLE(LODEN_BANDS)) uniform sampler3D loden_table[LODEN_BANDS];           // clamp, linear
+LODEN_BINDING(LODEN_UNIT_ENVIRONMENT(LODEN_BANDS)) uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
 #endif
 #ifdef LODEN_LIGHT_FACTOR
 LODEN_BINDING(LODEN_UNIT_LIGHT_TABLE) uniform sampler3D loden_light_table;  // clamp, linear

@@ -1,5 +1,5 @@
 // Loden's shader library: evaluates one material. No dependency on any renderer; include this file, or paste what it
-// includes in its place. GLSL 4.20 or GLSL ES 3.20; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block holds
+// includes in its place. GLSL 4.40; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block holds
 // is said in loden_shared.h; runtime/material_data.cpp fills it.
 // Defines of a variant (runtime/shader_variants.h lists those in use):
 //   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
@@ -177,15 +177,6 @@ vec3 loden_tilted(vec2 tilt, vec3 w) {
   return turned / sqrt(dot(turned, turned));
 }
 
-// cos(theta_i) where the asset's values leave it out, else 1.
-float loden_cosine_factor(vec3 wi_ts) {
-#ifdef LODEN_MODE_SURFACE
-  return 1.0;
-#else
-  return (loden_material.flags.x & LODEN_COSINE_INCLUDED) != 0 ? 1.0 : max(wi_ts.z, 0.0);
-#endif
-}
-
 // Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's values
 // leave the cosine out. Not negative: where a fit undershoots black, 0.
 vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
@@ -198,10 +189,10 @@ vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   vec3 wi = loden_clamp_theta(wi_ts, loden_material.theta_max);
   vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
   bool with_cosine = (loden_material.flags.x & LODEN_COSINE_INCLUDED) != 0;
-  float fade = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : loden_cosine_factor(wi_ts);
+  float cosine = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : wi_ts.z;
   vec3 mean = loden_evaluate_mean(wi, wo);
   vec3 bands = loden_evaluate_bands(hit, loden_table_position(wi, wo), mean);
-  return max(loden_rgb_from_ycc(mean + bands), 0.0) * fade;
+  return max(loden_rgb_from_ycc(mean + bands), 0.0) * cosine;
 #endif
 }
 

@@ -12,23 +12,27 @@
 #define LODEN_ENVIRONMENT_BASIS 6   // functions over the hemisphere
 #define LODEN_ENVIRONMENT_THETAS 6  // views of the mean
 
-// Texture units. Arrays of LODEN_MAX_BANDS begin at weights, table and environment. Surface maps and bands never
-// meet in one variant.
-#define LODEN_UNIT_WEIGHTS 0
-#define LODEN_UNIT_TABLE 8
-#define LODEN_UNIT_NORMAL 0
-#define LODEN_UNIT_DIFFUSE 1
-#define LODEN_UNIT_SPECULAR 2
-#define LODEN_UNIT_GEOMETRY 16
-#define LODEN_UNIT_VDIM_DEPTH 17
-#define LODEN_UNIT_VDIM_VOLUME 18
-#define LODEN_UNIT_NEAREST_LIGHT 19
-#define LODEN_UNIT_NEAREST_VIEW 20
-#define LODEN_UNIT_PAPER_REFERENCE 19  // the paper's VDIM and nearest tables never meet in one variant
-#define LODEN_UNIT_PAPER_PACKED 20
-#define LODEN_UNIT_LIGHT_TABLE 20  // nor do these and a light factor
-#define LODEN_UNIT_ENVIRONMENT 21
-#define LODEN_UNIT_FIRST_FREE 29  // units 29 and up belong to the renderer
+// Texture units, from LODEN_FIRST_UNIT on; `bands` is the variant's LODEN_BANDS, at which the arrays of weights, tables and
+// environment tables end. Surface maps and bands never meet in one variant: a surface takes the units of one band.
+#ifndef LODEN_FIRST_UNIT
+#define LODEN_FIRST_UNIT 0
+#endif
+#define LODEN_UNIT_GEOMETRY 0
+#define LODEN_UNIT_VDIM_DEPTH 1
+#define LODEN_UNIT_VDIM_VOLUME 2
+#define LODEN_UNIT_NEAREST_LIGHT 3
+#define LODEN_UNIT_NEAREST_VIEW 4
+#define LODEN_UNIT_PAPER_REFERENCE 3  // the paper's VDIM and nearest tables never meet in one variant
+#define LODEN_UNIT_PAPER_PACKED 4
+#define LODEN_UNIT_LIGHT_TABLE 4  // nor do these and a light factor
+#define LODEN_UNIT_WEIGHTS 5
+#define LODEN_UNIT_NORMAL 5
+#define LODEN_UNIT_DIFFUSE 6
+#define LODEN_UNIT_SPECULAR 7
+#define LODEN_UNIT_TABLE(bands) (5 + (bands))
+#define LODEN_UNIT_ENVIRONMENT(bands) (5 + 2 * (bands))
+#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes
+#define LODEN_MAX_UNITS LODEN_UNITS(LODEN_MAX_BANDS)
 
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding
 #define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer

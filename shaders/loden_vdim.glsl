@@ -177,8 +177,7 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
 
 // Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
 // the ray meets from behind, unless patient. found = (p, z, 1) where it converges, or else (p, z, -miss) of the smallest
-// miss so far. What leaves the loop
-// is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's values of
+// miss so far. What leaves the loop is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's values of
 // anything else, also to invocations that left before.
 void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found) {
   float n = loden_material.geometry.w;

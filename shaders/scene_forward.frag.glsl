@@ -6,11 +6,24 @@
 #include "scene_displaced.glsl"
 
 layout(location = 0) out vec4 color;
-// Radiance towards the viewer from the surface at tile coordinate x, all lights together. Where depth is written, taps whose
-// ray meets nothing are left out, and the last that meets something gives the depth, as in the pre-pass.
+
 #ifdef SCENE_PARALLAX_DEPTH
 int missed_taps = 0;
+#else
+float sun_visible = -1.0;  // all taps lie at one point: asked for once
 #endif
+
+float sunVisibility(vec3 position, vec3 normal) {
+#ifdef SCENE_PARALLAX_DEPTH
+  return sceneSunVisibility(position, normal);
+#else
+  if (sun_visible < 0.0) sun_visible = sceneSunVisibility(position, normal);
+  return sun_visible;
+#endif
+}
+
+// Radiance towards the viewer from the surface at tile coordinate x, all lights together. Where depth is written, taps whose
+// ray meets nothing are left out, and the last that meets something gives the depth, as in the pre-pass.
 vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws, vec3 wo) {
   SurfacePoint point = surfacePoint(x, dx, dy, shape, wo);
   float z = 0.0;
@@ -31,7 +44,7 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws,
       // Asked for where the ray to the sun leaves the tile: what happens below the reference plane is part of the
       // material's own values.
       vec3 exit_ = position - scene.sun_direction.xyz * (z / max(wi.z, 0.1));
-      float visible = sceneSunVisibility(exit_, frame[2]);
+      float visible = sunVisibility(exit_, frame[2]);
       if (visible > 0.0) radiance += scene.sun_irradiance.rgb * visible * surfaceRadiance(point, wi, wo);
     }
   }

@@ -4,7 +4,7 @@
 
 #define SCENE_BLOCK_FRAME 1   // uniform block bindings, behind the material's
 #define SCENE_BLOCK_OBJECT 2
-#define SCENE_UNIT_SHADOW 29  // texture units, behind the material's
+#define SCENE_UNIT_SHADOW 29  // texture units, behind those of any material
 
 #define SCENE_MAX_SUNS 4           // of the environment
 #define SCENE_MAX_LIGHTS 32        // point and spot lights of a frame

@@ -96,7 +96,7 @@ class BakeCommand : public Command {
  private:
   Status parse() {
     const auto directions = directionsByName(directions_);
-    if (!directions || directions->size() < 1 || directions->size() > 4096)
+    if (!directions)
       return optionIssue("--directions", "'" + directions_ + "' is none of bonn81, ubo151, NxN");
     bake_.directions = *directions;
     bake_.vdims.clear();
@@ -135,17 +135,16 @@ class BakeCommand : public Command {
   }
 
   void print(const GlobalOptions& globals, const Tile& tile, const BakeReport& report) const {
-    const bool complete = std::filesystem::exists(output_ / "bake.json");
     if (globals.json) {
-      printJson("bake", {{"tile", tile_}, {"folder", output_.string()}, {"complete", complete},
+      printJson("bake", {{"tile", tile_}, {"folder", output_.string()}, {"complete", report.complete},
                          {"triangles", tile.triangles.size()}, {"rays", report.rays}, {"misses", report.misses},
                          {"seconds", report.seconds}, {"repaired", repairsJson(repairs_.get())}});
       return;
     }
     printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),
                         withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(), report.seconds) +
-              (complete ? "\n" : "; other shards are still to come\n"));
-    if (globals.verbose && complete) printParameterization();
+              (report.complete ? "\n" : "; other shards are still to come\n"));
+    if (globals.verbose && report.complete) printParameterization();
   }
 
   void printParameterization() const {

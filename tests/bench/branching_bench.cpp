@@ -34,9 +34,9 @@ struct Subject {
   GlProgram branching, straight, counting, counting_straight;
 };
 
-GlProgram materialProgram(const FullScreen& screen, MaterialVariant variant, bool branch, bool count) {
-  variant.count_fetches = count;
+GlProgram materialProgram(const FullScreen& screen, const MaterialVariant& variant, bool branch, bool count) {
   std::vector<std::string> defines = variantDefines(variant);
+  if (count) defines.push_back("LODEN_COUNT_FETCHES 1");
   if (!branch) defines.push_back("LODEN_NO_BRANCH 1");
   return screen.program(kMaterialFragment, defines);
 }

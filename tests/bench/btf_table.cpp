@@ -77,11 +77,11 @@ BtfTable::BtfTable(const importer::BakedOutput& baked) {
 }
 
 void BtfTable::bind() const {
-  for (int k = 0; k < kTextures; ++k) glBindTextureUnit(GLuint(LODEN_UNIT_FIRST_FREE + k), textures_[size_t(k)].name());
+  for (int k = 0; k < kTextures; ++k) glBindTextureUnit(GLuint(LODEN_MAX_UNITS + k), textures_[size_t(k)].name());
 }
 
 const char kBtfTableLibrary[] = R"(
-layout(binding = LODEN_UNIT_FIRST_FREE) uniform sampler2DArray btf_table[8];
+layout(binding = LODEN_MAX_UNITS) uniform sampler2DArray btf_table[8];
 
 const int BTF_COUNT[6] = int[](1, 6, 12, 18, 20, 24);
 const int BTF_VIEW_BASE[6] = int[](0, 0, 1, 6, 13, 24);
@@ -117,7 +117,7 @@ vec3 btf_table_value(vec2 x, float lambda, vec3 wi, vec3 wo) {
     int slot = BTF_LIGHT_BASE[light.ring] + (is_first ? light.first : light.second) / 2;
     float weight = view.weight * light.weight * (is_first ? 1.0 - light.blend : light.blend);
     int base = BTF_VIEW_BASE[view.ring], lights = BTF_LIGHTS[light_parity];
-    LODEN_COUNT(LODEN_UNIT_FIRST_FREE + k, 2);
+    LODEN_COUNT(LODEN_MAX_UNITS + k, 2);
     vec3 first = textureLod(btf_table[k], vec3(x, float((base + view.first) * lights + slot)), lambda).rgb;
     vec3 second = textureLod(btf_table[k], vec3(x, float((base + view.second) * lights + slot)), lambda).rgb;
     sum += weight * mix(first, second, view.blend);

@@ -16,7 +16,7 @@ class BtfTable {
  public:
   static constexpr int kTextures = 8;
   explicit BtfTable(const importer::BakedOutput& baked);
-  void bind() const;  // to LODEN_UNIT_FIRST_FREE and up
+  void bind() const;  // to LODEN_MAX_UNITS and up
   uint64_t bytes() const { return bytes_; }
 
  private:

@@ -95,11 +95,9 @@ struct Gpu {
 
 VkPipelineLayout makeLayout(VkDevice device) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
-  for (uint32_t unit = 0; unit < LODEN_UNIT_FIRST_FREE; ++unit) {
-    const bool array = unit == LODEN_UNIT_WEIGHTS || unit == LODEN_UNIT_TABLE || unit == LODEN_UNIT_ENVIRONMENT;
-    bindings.push_back({unit, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, array ? LODEN_MAX_BANDS : 1u,
+  for (uint32_t unit = 0; unit < LODEN_MAX_UNITS; ++unit)  // from the weights on, those at which a variant's arrays begin
+    bindings.push_back({unit, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, unit < LODEN_UNIT_WEIGHTS ? 1u : LODEN_MAX_BANDS,
                         VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
-  }
   bindings.push_back({32, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   bindings.push_back({48, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   auto set_info = made<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
@@ -197,15 +195,15 @@ int main() {
   std::printf("# bench_radv: %s, one point and one light per invocation\n", gpu.name.c_str());
   std::printf("%-24s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency", "inv.thr.");
   report(gpu, "diffuse + normal map", kNormalMap, {});
-  const MaterialVariant variants[] = {{Kind::kSurface, 0, Lookup::kNone, false, false},
-                                      {Kind::kSurface, 0, Lookup::kPaper, false, false},
-                                      {Kind::kSurface, 0, Lookup::kFast, false, false},
-                                      {Kind::kSurface, 0, Lookup::kDefault, false, false},
-                                      {Kind::kBands, 5, Lookup::kNone, true, false},
-                                      {Kind::kBands, 2, Lookup::kNone, false, false},
-                                      {Kind::kBands, 2, Lookup::kFast, false, false},
-                                      {Kind::kBands, 2, Lookup::kDefault, false, false},
-                                      {Kind::kBands, 2, Lookup::kDefault, false, false, true}};
+  const MaterialVariant variants[] = {{Kind::kSurface, 0, Lookup::kNone, false},
+                                      {Kind::kSurface, 0, Lookup::kPaper, false},
+                                      {Kind::kSurface, 0, Lookup::kFast, false},
+                                      {Kind::kSurface, 0, Lookup::kDefault, false},
+                                      {Kind::kBands, 5, Lookup::kNone, true},
+                                      {Kind::kBands, 2, Lookup::kNone, false},
+                                      {Kind::kBands, 2, Lookup::kFast, false},
+                                      {Kind::kBands, 2, Lookup::kDefault, false},
+                                      {Kind::kBands, 2, Lookup::kDefault, false, true}};
   for (const MaterialVariant& variant : variants) {
     std::vector<std::string> defines = variantDefines(variant);
     report(gpu, variantName(variant), kEvaluate, defines);

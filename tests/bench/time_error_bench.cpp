@@ -48,7 +48,7 @@ constexpr View kViews[] = {{"near", 3}, {"far", 190.0 * 4 / 64}};
 
 glm::dvec3 towardsEye(glm::dvec2 uv) { return glm::normalize(glm::dvec3(uv - 0.5, 0.4)); }
 
-constexpr int kUnits = LODEN_UNIT_FIRST_FREE + BtfTable::kTextures;
+constexpr int kUnits = LODEN_MAX_UNITS + BtfTable::kTextures;
 
 // SHOW(rgb) ends every main. In counting variants alpha is the number of texture instructions, or of the bytes they read.
 const char kCommon[] = R"(
@@ -78,7 +78,7 @@ void main() {
 
 // Linear steps down the view ray until it is below the height map, then bisections between the last two.
 const char kMarchMain[] = R"(
-layout(binding = LODEN_UNIT_FIRST_FREE) uniform sampler2D height_map;  // depth below the plane, share of depth_range
+layout(binding = LODEN_MAX_UNITS) uniform sampler2D height_map;  // depth below the plane, share of depth_range
 uniform float depth_range;
 void main() {
   vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
@@ -89,13 +89,13 @@ void main() {
   int taken = 0;
   do {
     below = float(taken + 1) / float(STEPS);
-    LODEN_COUNT(LODEN_UNIT_FIRST_FREE, 1);
+    LODEN_COUNT(LODEN_MAX_UNITS, 1);
     if (textureLod(height_map, x + shift * below, lambda).r <= below) break;
     above = below;
   } while (++taken < STEPS);
   for (int i = 0; i < BISECTIONS; ++i) {
     float middle = 0.5 * (above + below);
-    LODEN_COUNT(LODEN_UNIT_FIRST_FREE, 1);
+    LODEN_COUNT(LODEN_MAX_UNITS, 1);
     if (textureLod(height_map, x + shift * middle, lambda).r <= middle) below = middle; else above = middle;
   }
   LodenHit hit;
@@ -126,7 +126,7 @@ class FetchBytes {
     for (size_t b = 0; b < m.bands.size(); ++b) {
       const bool nearest = m.bands[b].layout == TableLayout::kNearest;
       set(LODEN_UNIT_WEIGHTS + int(b), m.bands[b].weights, m.bands[b].filter == WeightFilter::kNearest ? 1 : 8);
-      set(LODEN_UNIT_TABLE + int(b), m.bands[b].table, nearest ? 1 : 8);
+      set(LODEN_UNIT_TABLE(int(m.bands.size())) + int(b), m.bands[b].table, nearest ? 1 : 8);
       if (nearest) bytes_[LODEN_UNIT_NEAREST_LIGHT] = bytes_[LODEN_UNIT_NEAREST_VIEW] = 1;  // R8
     }
     if (m.surface) {
@@ -144,7 +144,7 @@ class FetchBytes {
   }
   // Of textures outside the material.
   void setFree(int texel_bytes, int texels) {
-    std::fill(bytes_ + LODEN_UNIT_FIRST_FREE, bytes_ + kUnits, float(texel_bytes * texels));
+    std::fill(bytes_ + LODEN_MAX_UNITS, bytes_ + kUnits, float(texel_bytes * texels));
   }
   const float* data() const { return bytes_; }
 
@@ -213,10 +213,9 @@ class Scene {
     return subject;
   }
   void compile(Subject& subject, const std::string& main, const std::vector<std::string>& more = {}) {
-    MaterialVariant variant = subject.materials->variant(subject.id);
     for (GlProgram* program : {&subject.program, &subject.counting}) {
-      variant.count_fetches = program == &subject.counting;
-      std::vector<std::string> defines = variantDefines(variant);
+      std::vector<std::string> defines = variantDefines(subject.materials->variant(subject.id));
+      if (program == &subject.counting) defines.push_back("LODEN_COUNT_FETCHES 1");
       defines.insert(defines.end(), more.begin(), more.end());
       defines.push_back("UNITS " + std::to_string(kUnits));
       *program = screen_.program(kCommon + main, defines);
@@ -237,7 +236,7 @@ class Scene {
   void draw(const Subject& subject, const GlProgram& program, const View& view, const glm::vec3& mean, bool count_bytes = false) const {
     subject.materials->bind(subject.id);
     if (subject.renderer == "full BTF table") table_->bind();
-    else if (heights_.name()) glBindTextureUnit(LODEN_UNIT_FIRST_FREE, heights_.name());
+    else if (heights_.name()) glBindTextureUnit(LODEN_MAX_UNITS, heights_.name());
     // Location -1 of a uniform that the program does not have is ignored.
     const auto location = [&](const char* name) { return glGetUniformLocation(program.name(), name); };
     glProgramUniform1f(program.name(), location("periods"), float(view.periods));

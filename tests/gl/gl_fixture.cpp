@@ -52,6 +52,7 @@ void GlTest::TearDown() {
 
 std::unique_ptr<Device> GlTest::makeDevice() {
   DeviceOptions options;
+  options.debug = true;
   options.log = [this](const Issue& issue) { messages.push_back(issue); };
   Result<std::unique_ptr<Device>> made = Device::create(options);
   if (!made) {

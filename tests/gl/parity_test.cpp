@@ -38,7 +38,7 @@ void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 -
 )";
 constexpr const char* kFragment = R"(
 #include "loden_material.glsl"
-layout(binding = LODEN_UNIT_FIRST_FREE) uniform sampler2DArray samples;  // (x, lambda, 0), wi, wo
+layout(binding = LODEN_MAX_UNITS) uniform sampler2DArray samples;  // (x, lambda, 0), wi, wo
 layout(location = 0) out vec4 color;
 #ifdef ENVIRONMENT
 layout(location = 0) uniform vec4 environment[9];
@@ -132,7 +132,7 @@ GlTexture uploadSamples(const std::vector<Sample>& samples) {
 
 // (value, p.x) of every sample, as the shader computes them.
 std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector<Sample>& samples, const Way& way) {
-  auto device = Device::create({.log = [](const Issue& issue) { ADD_FAILURE() << issue.where << ": " << issue.text; }});
+  auto device = Device::create({.debug = true, .log = [](const Issue& issue) { ADD_FAILURE() << issue.where << ": " << issue.text; }});
   EXPECT_TRUE(device.ok());
   MaterialSystemOptions options;
   options.lookup = way.lookup;
@@ -162,7 +162,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   if (way.environment) glUniform4fv(0, 9, &kEnvironment[0].x);
   glBindVertexArray(no_vertices.name());
   (*system)->bind(*id);
-  glBindTextureUnit(LODEN_UNIT_FIRST_FREE, texture.name());
+  glBindTextureUnit(LODEN_MAX_UNITS, texture.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   return readLinear(target);
 }
@@ -176,7 +176,7 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
 glm::vec3 evaluateAt(const Evaluator& evaluator, glm::vec2 x, const Sample& s, const Way& way) {
   const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way));
   if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(), s.wo);
-  return evaluator.evaluate(hit, s.wi, s.wo) * cosineFactor(evaluator.material(), s.wi, hit.tilt);
+  return evaluator.evaluate(hit, s.wi, s.wo);
 }
 
 // The smallest difference to the evaluator's values around the sample.

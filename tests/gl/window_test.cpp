@@ -50,6 +50,7 @@ Result<std::unique_ptr<Device>> makeWindow() {
   options.kind = DeviceKind::kWindow;
   options.size = {320, 200};
   options.vsync = false;
+  options.debug = true;
   return Device::create(options);
 }
 

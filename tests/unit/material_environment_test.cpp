@@ -134,7 +134,7 @@ TEST(Environment, EvaluatorIntegratesItself) {
         const glm::dvec3 wo = directionFromSpherical(view);
         const auto hit = evaluator.findHit(glm::dvec2(0.37, 0.81), 0.5, wo, Lookup::kNone);
         const glm::dvec3 truth = hemisphereIntegral([&](const glm::dvec3& wi) {
-          return evaluator.evaluate(hit, wi, wo) * cosineFactor(material, wi) * glm::dvec3(reducedRadiance(light, glm::vec3(wi)));
+          return evaluator.evaluate(hit, wi, wo) * glm::dvec3(reducedRadiance(light, glm::vec3(wi)));
         });
         const glm::dvec3 got = evaluator.evaluateEnvironment(hit, light, wo);
         // Fixtures are noise from light to light; nearest tables are read at a grid of lights instead.

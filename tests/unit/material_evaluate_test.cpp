@@ -170,12 +170,17 @@ TEST(Evaluator, FadedParallaxEndsAtX) {
   EXPECT_EQ(far.fetches, 0);
 }
 
-TEST(Evaluator, CosineFactorIsTheCosineThatValuesLeaveOut) {
-  Material material = test::lodMaterial();
-  const glm::dvec3 wi = directionFromSpherical({1.0, 2});
-  EXPECT_EQ(cosineFactor(material, wi), 1);
-  material.cosine_included = false;
-  EXPECT_DOUBLE_EQ(cosineFactor(material, wi), std::cos(1.0));
+TEST(Evaluator, CosineThatValuesLeaveOut_IsMultiplied) {
+  Material with = test::lodMaterial(), without = with;
+  without.cosine_included = false;
+  const glm::dvec3 wi = directionFromSpherical({1.0, 2}), wo = directionFromSpherical({0.3, 1});
+  const auto valueOf = [&](const Material& material) {
+    const Evaluator evaluator(material);
+    return evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3, 0.6), 0.0, wo, Lookup::kNone), wi, wo);
+  };
+  const glm::dvec3 value = valueOf(without), expected = valueOf(with) * std::cos(1.0);
+  ASSERT_GT(glm::length(expected), 0);
+  EXPECT_LT(glm::length(value - expected), 1e-12);
 }
 
 }  // namespace

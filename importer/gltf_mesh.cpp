@@ -15,6 +15,7 @@
 #include "importer/mesh_material.h"
 #include "importer/tile_internal.h"
 #include "material/color.h"
+#include "material/confined_path.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -27,8 +28,8 @@ constexpr size_t kMaxElements = 100'000'000;
 // --- Files: only from the glTF's own folder ---------------------------------------------------------------
 
 fs::path confined(const std::string& uri, void* folder) {
-  const auto path = confinedPath(uri.starts_with("./") ? uri.substr(2) : uri, uri);
-  return path ? *static_cast<const fs::path*>(folder) / *path : fs::path();
+  const auto path = confinedPath(*static_cast<const fs::path*>(folder), uri, uri);
+  return path ? *path : fs::path();
 }
 bool fileExists(const std::string& uri, void* folder) {
   std::error_code error;

@@ -8,6 +8,7 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/mesh_material.h"
 #include "importer/tile_internal.h"
+#include "material/confined_path.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -139,16 +140,16 @@ Status ObjReader::readFace(std::istringstream& line) {
 }
 
 Status ObjReader::readMaterials(const std::string& file) {
-  const auto relative = confinedPath(file, path_.string() + ": mtllib");
-  if (!relative) return relative.issue();
-  const auto text = readText(path_.parent_path() / *relative);
+  const auto path = confinedPath(path_.parent_path(), file, path_.string() + ": mtllib");
+  if (!path) return path.issue();
+  const auto text = readText(*path);
   if (!text) return text.issue();
   std::istringstream lines(*text);
   LocalBrdf* brdf = nullptr;
   glm::vec3 specular(0);
   int number = 0;
   for (std::string text_line; std::getline(lines, text_line);) {
-    const std::string where = (path_.parent_path() / *relative).string() + ": line " + std::to_string(++number);
+    const std::string where = path->string() + ": line " + std::to_string(++number);
     std::istringstream line(text_line);
     std::string keyword;
     line >> keyword;

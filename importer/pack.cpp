@@ -11,6 +11,7 @@
 #include "material/asset.h"
 #include "material/atomic_file.h"
 #include "material/color.h"
+#include "material/confined_path.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -133,8 +134,10 @@ Status planResources(const Json& scene, const PackOptions& options, Copies& copi
     for (size_t i = 0; i < arraySize(scene, list); ++i) {
       const std::string uri = scene[list][i].value("uri", std::string());
       if (uri.empty() || isDataUri(uri)) continue;
-      const auto path = confinedPath(uri, options.scene.string() + ": " + list + "[" + std::to_string(i) + "].uri");
+      const std::string where = options.scene.string() + ": " + list + "[" + std::to_string(i) + "].uri";
+      const auto path = relativePathOfUri(uri, where);
       if (!path) return path.issue();
+      if (const auto inside = confinedPath(from, uri, where); !inside) return inside.issue();
       std::error_code error;
       if (fs::equivalent(from / *path, to / *path, error)) continue;
       const auto bytes = bytesOf(from / *path);

@@ -7,6 +7,7 @@
 #include "importer/gltf/gltf_resource.h"
 #include "importer/pack.h"
 #include "material/asset.h"
+#include "material/confined_path.h"
 #include "material/gltf_extensions.h"
 #include "material/issues.h"
 
@@ -156,7 +157,7 @@ class SceneCheck {
   }
 
   void checkFile(const std::string& uri, const std::string& place) {
-    const auto relative = confinedPath(uri, path_.string() + ": " + place);  // an asset's uri is never data
+    const auto relative = relativePathOfUri(uri, path_.string() + ": " + place);  // an asset's uri is never data
     const auto file = relative ? openUri(uri, place) : Result<GltfResource>(relative.issue());
     if (file) checkBytes(*file, 0, file->size(), (path_.parent_path() / *relative).string());
     else issues_.push_back(file.issue());

@@ -1,5 +1,5 @@
-// What stands between an untrusted glTF file and the JSON parser, beside material/json_depth.h: file access that
-// cannot leave the asset's folder.
+// What stands between an untrusted glTF file and the JSON parser, beside material/json_depth.h and
+// material/confined_path.h.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,6 @@ inline constexpr uint64_t kMaxGltfBytes = uint64_t(1) << 30;  // of any one file
 // The JSON text of a .gltf (all of it) or a .glb (its first chunk); kGltfParse if the .glb header is damaged.
 // Points into `bytes`.
 Result<std::string_view> gltfJson(std::span<const std::byte> bytes, const std::string& name);
-
-// The file that a glTF relative URI (percent-encoding decoded) names inside `folder`, links followed;
-// kGltfPath if it would lie outside or is no relative path.
-Result<std::filesystem::path> confinedPath(const std::filesystem::path& folder, std::string_view uri);
 
 // All bytes of a regular file of at most kMaxGltfBytes.
 Result<std::vector<std::byte>> readRegularFile(const std::filesystem::path& path);

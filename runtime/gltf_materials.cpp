@@ -1,7 +1,7 @@
 // Materials, and the extension LODEN_materials_flat_btf on the document and on its materials.
 #include <cmath>
 
-#include "runtime/gltf_guard.h"
+#include "material/confined_path.h"
 #include "runtime/gltf_reader.h"
 
 namespace loden::runtime::gltf {
@@ -35,7 +35,7 @@ Result<SceneAsset> readAsset(const Reader& reader, const tinygltf::Value& object
     asset.name = reader.file + ": " + place;
     return asset;
   }
-  const auto path = confinedPath(reader.folder, uri);
+  const auto path = confinedPath(reader.folder, uri, place);
   if (!path) return reader.issue(path.issue().id, place, path.issue().text);
   asset.path = *path;
   asset.name = path->string();

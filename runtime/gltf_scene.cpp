@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "material/confined_path.h"
 #include "material/gltf_extensions.h"
 #include "material/json_depth.h"
 #include "runtime/gltf_guard.h"
@@ -20,7 +21,7 @@ struct ConfinedFiles {
 
   static Result<std::filesystem::path> find(const std::string& name, void* user_data) {
     auto* self = static_cast<ConfinedFiles*>(user_data);
-    auto path = confinedPath(self->folder, name);
+    auto path = confinedPath(self->folder, name, "glTF");
     if (!path && !self->refused) self->refused = path.issue();
     return path;
   }

@@ -42,28 +42,11 @@ Status splitGlb(std::string_view bytes, const std::string& name, std::string_vie
   return {};
 }
 
-int hexDigit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
 int base64Digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
   if (c >= '0' && c <= '9') return c - '0' + 52;
   return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
-
-std::string percentDecoded(const std::string& uri) {
-  std::string text;
-  for (size_t i = 0; i < uri.size(); ++i) {
-    const bool escape = uri[i] == '%' && i + 2 < uri.size() && hexDigit(uri[i + 1]) >= 0 && hexDigit(uri[i + 2]) >= 0;
-    text += escape ? static_cast<char>(hexDigit(uri[i + 1]) * 16 + hexDigit(uri[i + 2])) : uri[i];
-    if (escape) i += 2;
-  }
-  return text;
 }
 
 // Collects members of another type than expected, with their place.
@@ -184,17 +167,6 @@ std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, 
         places.push_back("meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "]");
     }
   return places;
-}
-
-Result<std::filesystem::path> confinedPath(const std::string& uri, const std::string& where) {
-  const std::string decoded = percentDecoded(uri);
-  const std::filesystem::path path = std::filesystem::path(decoded).lexically_normal();
-  const size_t scheme = uri.find(':');
-  const bool has_scheme = scheme != std::string::npos && uri.find('/') > scheme;
-  const bool leaves = path.empty() || path.is_absolute() || *path.begin() == "..";
-  if (has_scheme || leaves || decoded.find('\0') != std::string::npos || decoded.find('\\') != std::string::npos)
-    return issueAt(issue_id::kGltfPath, where, "'" + uri + "' does not stay inside the file's folder");
-  return path;
 }
 
 std::string uriFromPath(const std::filesystem::path& relative) {

@@ -38,8 +38,6 @@ size_t arraySize(const nlohmann::ordered_json& object, const char* key);
 // Places ("meshes[0].primitives[1]") of what wears the material and lacks the vertex attribute.
 std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material, const std::string& attribute);
 
-// A uri of the document as a path below its folder. Refuses schemes, absolute paths and "..".
-Result<std::filesystem::path> confinedPath(const std::string& uri, const std::string& where);
 // The uri of a path relative to the document's folder, percent-encoded where needed.
 std::string uriFromPath(const std::filesystem::path& relative);
 bool isDataUri(std::string_view uri);

@@ -4,6 +4,7 @@
 
 #include "importer/gltf/gltf_document.h"
 #include "material/check.h"
+#include "material/confined_path.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -23,10 +24,10 @@ Result<GltfResource> GltfResource::open(const std::string& uri, const fs::path& 
     if (!bytes) return Issue{issue_id::kGltfParse, Severity::kError, where, "is a data uri of no base64, or damaged"};
     return of(std::move(*bytes));
   }
-  const auto relative = confinedPath(uri, where);
-  if (!relative) return relative.issue();
+  const auto path = confinedPath(folder, uri, where);
+  if (!path) return path.issue();
   GltfResource resource;
-  resource.file_ = folder / *relative;
+  resource.file_ = *path;
   std::error_code error;
   if (fs::is_regular_file(resource.file_, error)) resource.size_ = fs::file_size(resource.file_, error);
   else error = std::make_error_code(std::errc::no_such_file_or_directory);

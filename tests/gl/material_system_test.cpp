@@ -464,6 +464,36 @@ TEST_F(MaterialSystemTest, RefusesWhatIsNoAsset) {
   EXPECT_FALSE(system->load("/no/such/file.loden").ok());
 }
 
+TEST_F(EngineManners, UnitsBelowTheFirstStayTheEngines) {
+  for (const Material& material : {fusedMaterial(), lodMaterial(), plainSurface()}) {
+    std::vector<glm::vec4> pictures[2];
+    for (const int first : {0, 7}) {
+      const auto system = makeMaterials({.first_unit = first});
+      const MaterialId id = load(*system, material);
+      system->demand(id, 0);
+      system->finishLoading();
+      const GlTexture own = makeTexture(GL_TEXTURE_2D, "the engine's");
+      for (int unit = 0; unit < first; ++unit) glBindTextureUnit(GLuint(unit), own.name());
+      pictures[first > 0] = drawMaterial(*system, id, 0, {16, 16});
+      for (int unit = 0; unit < first; ++unit) {
+        glActiveTexture(GLenum(GL_TEXTURE0 + unit));
+        GLint bound = 0;
+        glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
+        EXPECT_EQ(GLuint(bound), own.name()) << "unit " << unit;
+      }
+      EXPECT_LE(unitsOf(system->variant(id)), LODEN_MAX_UNITS);
+    }
+    EXPECT_EQ(pictures[0], pictures[1]) << material.name;
+  }
+}
+
+TEST_F(EngineManners, MoreUnitsThanTheDriverHas_IsAnIssue) {
+  const auto system = makeMaterials({.first_unit = device->capabilities().max_fragment_textures - 1});
+  const auto id = system->load(assetSource(fusedMaterial()), "fused");
+  ASSERT_FALSE(id.ok());
+  EXPECT_EQ(id.issue().id, issue_id::kLimit);
+}
+
 TEST_F(EngineManners, EveryPublicCallLeavesGlStateAsFound) {
   disturbGlState();
   const GlState before = dumpGlState();

@@ -12,10 +12,6 @@
 namespace loden::runtime {
 namespace {
 
-uint64_t gpuBytes(const Texture& t) {
-  return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
-}
-
 // Bands without an end, and the coarsest, are needed everywhere.
 float bandEnd(const Material& material, const Band& band) {
   return std::min(band.window.out_end, material.lambda_max + coarsestFade(material));
@@ -41,7 +37,7 @@ PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
   const PaperVdim& vdim = *material.stored_vdim;
-  return {PartKind::kStoredVdim, 0, {}, {gpuBytes(vdim.reference) + gpuBytes(vdim.packed), lambda_end}};
+  return {PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
 }
 
 // The maps, or first their tail and further on the whole.

@@ -104,11 +104,11 @@ PartTexture depthTexture(Texture depth) {
   return {LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(depth)};
 }
 
-Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads) {
+Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads, const std::stop_token& stop) {
   Result<GeometryImage> image = file.loadGeometry();
   if (!image) return image.issue();
   if (Status status = checkVdimWork(*image, size); !status) return status.issue();
-  VdimAtlas atlas = buildVdimAtlas(*image, size, threads);
+  VdimAtlas atlas = buildVdimAtlas(*image, size, threads, stop);
   LoadedPart part;
   part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
@@ -118,7 +118,7 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   return part;
 }
 
-Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads) {
+Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads, const std::stop_token& stop) {
   GeometryImage read;
   if (!kept) {
     Result<GeometryImage> image = file.loadGeometry();
@@ -128,7 +128,7 @@ Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, cons
   const GeometryImage& image = kept ? kept->geometry : read;
   if (Status status = checkVdimWork(image, size); !status) return status.issue();
   LoadedPart part;
-  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads)));
+  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads, stop)));
   return part;
 }
 
@@ -236,13 +236,13 @@ PartKind beginsWith(PartKind kind) {
   return kind == PartKind::kSurface ? PartKind::kSurfaceTail : kind;
 }
 
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads) {
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads, const std::stop_token& stop) {
   using enum AssetFile::Share;
   switch (plan.kind) {
     case PartKind::kBandLead: return loadBandPart(file, plan.band, kFirst, nullptr);
     case PartKind::kBand: return loadBandPart(file, plan.band, kAll, kept);
-    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads);
-    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads);
+    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads, stop);
+    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads, stop);
     case PartKind::kStoredVdim: return loadStoredVdimPart(file);
     case PartKind::kSurfaceTail: return loadSurfacePart(file, kFirst, nullptr);
     case PartKind::kSurface: break;

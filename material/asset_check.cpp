@@ -299,7 +299,7 @@ void checkFiniteTexels(const std::vector<std::byte>& data, Bits exponent, const 
 }
 
 void checkTexels(const Texture& t, const std::string& place, IssueList& issues) {
-  const uint64_t expected = textureBytes(t.format, t.width, t.height, t.depth, t.mips);
+  const uint64_t expected = textureBytes(t);
   issues.require(t.data.size() == expected, issue_id::kMapSize, place, t.data.size(),
                  " bytes; the extents need ", expected);
   if (t.format == TexelFormat::kRGBA16Sfloat) checkFiniteTexels<uint16_t>(t.data, 0x7c00, place, issues);
@@ -329,10 +329,7 @@ void checkPartTexels(const Material& material, const Part& part, const std::stri
                      IssueList& issues) {
   for (const Texture* texture : partTextures(material, part)) {
     checkTexels(*texture, place, issues);
-    if (texture->data.size() !=
-        textureBytes(texture->format, texture->width, texture->height, texture->depth, texture->mips)) {
-      return;
-    }
+    if (texture->data.size() != textureBytes(*texture)) return;
   }
   if (part.type == kBand) checkSpareLayers(material.bands[part.band], place, issues);
   if (part.type == kGeom)

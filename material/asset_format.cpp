@@ -38,10 +38,6 @@ auto texturesOf(MaterialType& material, const Part& part) {
   return textures;
 }
 
-uint64_t bytesOf(const Texture& t) {
-  return textureBytes(t.format, t.width, t.height, t.depth, t.mips);
-}
-
 // Bytes of a part that stand together in one texture's data.
 struct TexelRun {
   size_t texture = 0;  // index into partTextures
@@ -51,12 +47,11 @@ struct TexelRun {
 // Layers or slices [first, end) of one mip.
 TexelRun layersOf(size_t texture, const Texture& t, int mip, uint64_t first, uint64_t end) {
   const uint64_t layer = textureBytes(t.format, t.mipWidth(mip), t.mipHeight(mip), 1, 1);
-  return {texture, textureBytes(t.format, t.width, t.height, t.depth, mip) + first * layer, (end - first) * layer};
+  return {texture, t.mipOffset(mip) + first * layer, (end - first) * layer};
 }
 
 TexelRun mipsOf(size_t texture, const Texture& t, int first, int end) {
-  const auto before = [&t](int mips) { return textureBytes(t.format, t.width, t.height, t.depth, mips); };
-  return {texture, before(first), before(end) - before(first)};
+  return {texture, t.mipOffset(first), t.mipOffset(end) - t.mipOffset(first)};
 }
 
 std::vector<TexelRun> splitBandRuns(const Band& band, bool lead) {
@@ -138,7 +133,7 @@ std::vector<std::byte> gatherTexels(const Material& material, const Part& part) 
 
 void scatterTexels(std::span<const std::byte> raw, const Part& part, Material& material) {
   const std::vector<Texture*> textures = partTextures(material, part);
-  for (Texture* t : textures) t->data.resize(bytesOf(*t));
+  for (Texture* t : textures) t->data.resize(textureBytes(*t));
   for (const TexelRun& run : runsOf(material, part)) {
     std::copy_n(raw.begin(), run.bytes, textures[run.texture]->data.begin() + static_cast<ptrdiff_t>(run.offset));
     raw = raw.subspan(run.bytes);

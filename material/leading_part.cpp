@@ -7,10 +7,6 @@
 namespace loden {
 namespace {
 
-uint64_t bytesOf(const Texture& t) {
-  return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
-}
-
 // Without texels.
 Texture described(const Texture& t, int width, int height, int depth, int mips) {
   return {t.format, t.shape, width, height, depth, mips, {}};
@@ -66,10 +62,10 @@ SurfaceMaps tailOf(const SurfaceMaps& maps) {
 }
 
 uint64_t gpuBytes(const Band& band) {
-  const uint64_t light_table = band.light_quads > 0 ? bytesOf(band.light_table) : 0;
-  return bytesOf(band.weights) + bytesOf(band.table) + light_table + environmentTableBytes(band);
+  const uint64_t light_table = band.light_quads > 0 ? textureBytes(band.light_table) : 0;
+  return textureBytes(band.weights) + textureBytes(band.table) + light_table + environmentTableBytes(band);
 }
-uint64_t gpuBytes(const SurfaceMaps& maps) { return bytesOf(maps.normal) + bytesOf(maps.diffuse) + bytesOf(maps.specular); }
+uint64_t gpuBytes(const SurfaceMaps& maps) { return textureBytes(maps.normal) + textureBytes(maps.diffuse) + textureBytes(maps.specular); }
 
 void splitLeadingParts(Material& material) {
   if (!material.bands.empty() && material.bands.back().domain == Domain::kReference) {

@@ -270,6 +270,10 @@ uint64_t textureBytes(TexelFormat format, uint64_t width, uint64_t height, uint6
   return total;
 }
 
+uint64_t textureBytes(const Texture& t) {
+  return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
+}
+
 glm::vec4 fetchTexel(const Texture& texture, int mip, int x, int y, int z) {
   const std::byte* from = texture.data.data() + texelOffset(texture, mip, x, y, z);
   return withDecoder(texture.format, [from](const auto& decode) { return decode(from); });

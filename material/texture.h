@@ -58,6 +58,8 @@ struct Texture {
 
 // Bytes that the extents need, in 64 bit, without a Texture: for checks before an allocation.
 uint64_t textureBytes(TexelFormat format, uint64_t width, uint64_t height, uint64_t depth, int mips);
+// Of a texture whose texels need not be there.
+uint64_t textureBytes(const Texture& texture);
 
 // Missing channels read as 0, alpha as 1 (as in GL). Coordinates must be inside.
 glm::vec4 fetchTexel(const Texture& texture, int mip, int x, int y, int z);

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 #include <optional>
+#include <stop_token>
 
 #include "material/directions.h"
 #include "material/packed_geometry.h"
@@ -79,10 +80,10 @@ inline constexpr uint64_t kMaxVdimColumn = uint64_t{1} << 18;
 Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size);
 
 // Built with `threads` threads (0: all); the result does not depend on their number. An image from elsewhere must have
-// passed checkVdimWork.
-VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads = 0);
+// passed checkVdimWork. A stop is looked for before each direction and each row of the volume; what is not built by then is 0.
+VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads = 0, const std::stop_token& stop = {});
 // VdimAtlas::depth alone.
-Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads = 0);
+Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads = 0, const std::stop_token& stop = {});
 
 // How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial). Lengths
 // are tile lengths: one tile period where texture coordinates are not stretched.

@@ -24,13 +24,13 @@ double rimRadius() {
   return kRim;
 }
 
-// Runs body(k) for k in [0, count) on `threads` threads (0: all); every k once, in no order.
+// Runs body(k) for k in [0, count) on `threads` threads (0: all); every k once, in no order, until a stop.
 template <class Body>
-void parallelFor(int count, int threads, const Body& body) {
+void parallelFor(int count, int threads, const std::stop_token& stop, const Body& body) {
   if (threads <= 0) threads = std::max(1u, std::thread::hardware_concurrency());
   std::atomic<int> next{0};
   const auto work = [&] {
-    for (int k; (k = next.fetch_add(1)) < count;) body(k);
+    for (int k; !stop.stop_requested() && (k = next.fetch_add(1)) < count;) body(k);
   };
   std::vector<std::jthread> pool;
   for (int t = 1; t < std::min(threads, count); ++t) pool.emplace_back(work);
@@ -265,12 +265,12 @@ class PointColumns {
   bool empty_ = true;
 };
 
-Texture buildVolume(const GeometryImage& image, int threads) {
+Texture buildVolume(const GeometryImage& image, int threads, const std::stop_token& stop) {
   Texture volume =
       Texture::make(TexelFormat::kRG16Snorm, TextureShape::kVolume, kVolumeSide, kVolumeSide, kVolumeDepth);
   const PointColumns points(image);
   if (points.empty()) return volume;
-  parallelFor(kVolumeDepth * kVolumeSide, threads, [&](int row) {
+  parallelFor(kVolumeDepth * kVolumeSide, threads, stop, [&](int row) {
     const int y = row % kVolumeSide, z = row / kVolumeSide;
     for (int x = 0; x < kVolumeSide; ++x) {
       const glm::dvec3 centre((x + 0.5) / kVolumeSide, (y + 0.5) / kVolumeSide,
@@ -347,23 +347,23 @@ glm::dvec3 vdimViewFromSquare(glm::dvec2 square) {
   return {disk * (sine / radius), std::sqrt(1 - sine * sine)};
 }
 
-Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads) {
+Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads, const std::stop_token& stop) {
   LODEN_CHECK_LT(0, size.texels);
   LODEN_CHECK_LT(0, size.directions);
   const int layers = size.directions * size.directions;
   Texture depth = Texture::make(TexelFormat::kR8Unorm, TextureShape::kArray2D, size.texels, size.texels, layers);
   const ShearedPatches patches(image);
   const double z_min = -packedRange(image).z;
-  parallelFor(layers, threads, [&](int layer) { drawLayer(patches, size, z_min, layer, depth); });
+  parallelFor(layers, threads, stop, [&](int layer) { drawLayer(patches, size, z_min, layer, depth); });
   return depth;
 }
 
-VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads) {
+VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads, const std::stop_token& stop) {
   VdimAtlas atlas;
   atlas.size = size;
   atlas.geometry = packGeometry(image);
-  atlas.depth = buildVdimDepth(image, size, threads);
-  if (!image.identity_parameterization) atlas.volume = buildVolume(image, threads);
+  atlas.depth = buildVdimDepth(image, size, threads, stop);
+  if (!image.identity_parameterization) atlas.volume = buildVolume(image, threads, stop);
   return atlas;
 }
 

@@ -58,9 +58,9 @@ void setEnvironment(const Environment& environment, SceneFrame& data) {
     data.environment[3 * c + 2] = {m[0][1], m[0][2], m[1][2], 0};
     for (int k = 0; k < 3; ++k) lit = lit || data.environment[3 * c + k] != glm::vec4(0);
   }
-  data.flags.z = static_cast<int>(std::min<size_t>(environment.suns.size(), SCENE_MAX_SUNS));
-  data.flags.w = lit ? 1 : 0;
-  for (int k = 0; k < data.flags.z; ++k) {
+  data.flags.y = static_cast<int>(std::min<size_t>(environment.suns.size(), SCENE_MAX_SUNS));
+  data.flags.z = lit ? 1 : 0;
+  for (int k = 0; k < data.flags.y; ++k) {
     data.environment_suns[2 * k] = glm::vec4(environment.suns[k].direction, 0);
     data.environment_suns[2 * k + 1] = glm::vec4(environment.suns[k].irradiance * static_cast<float>(kPi), 0);
   }
@@ -207,7 +207,6 @@ SceneFrame FrameRenderer::Impl::frameData() const {
   data.flags.x = (scene.sun ? SCENE_SUN : 0) | (scene.sun && settings.shadows ? SCENE_SHADOWS : 0) |
                  (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0);
-  data.flags.y = static_cast<int>(scene.lights.size());
   if (settings.environment) setEnvironment(*settings.environment, data);
   else setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
   data.lambda = glm::vec4(settings.lambda.value_or(0), 0, 0, 0);

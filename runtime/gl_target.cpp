@@ -7,6 +7,7 @@
 #include <string>
 
 #include "material/check.h"
+#include "material/issues.h"
 #include "runtime/gl_state.h"
 
 namespace loden::runtime {
@@ -25,14 +26,18 @@ GlTexture makeAttachment(GLenum format, glm::ivec2 size, const std::string& labe
 
 }  // namespace
 
-RenderTarget makeRenderTarget(glm::ivec2 size, ColorFormat format, std::string_view label) {
+Result<RenderTarget> makeRenderTarget(glm::ivec2 size, ColorFormat format, std::string_view label) {
   const std::string name(label);
+  const Issue impossible{issue_id::kMemory, Severity::kError, name,
+                         "the driver has no picture of " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels"};
+  GLint side = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
+  if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > side) return impossible;
   RenderTarget target{size, format, makeAttachment(internalFormat(format), size, name + " colour"),
                       makeAttachment(GL_DEPTH_COMPONENT32F, size, name + " depth"), makeFramebuffer(name)};
   glNamedFramebufferTexture(target.framebuffer.name(), GL_COLOR_ATTACHMENT0, target.color.name(), 0);
   glNamedFramebufferTexture(target.framebuffer.name(), GL_DEPTH_ATTACHMENT, target.depth.name(), 0);
-  LODEN_CHECK_EQ(glCheckNamedFramebufferStatus(target.framebuffer.name(), GL_DRAW_FRAMEBUFFER),
-                 GLenum(GL_FRAMEBUFFER_COMPLETE));
+  if (glCheckNamedFramebufferStatus(target.framebuffer.name(), GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return impossible;
   return target;
 }
 

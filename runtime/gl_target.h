@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "material/result.h"
 #include "runtime/gl_objects.h"
 
 namespace loden::runtime {
@@ -22,8 +23,8 @@ struct RenderTarget {
   GlTexture depth;  // 32-bit float
   GlFramebuffer framebuffer;
 };
-// The size must be one that the driver takes, and at least 1 x 1.
-RenderTarget makeRenderTarget(glm::ivec2 size, ColorFormat format, std::string_view label);
+// Issues: kMemory, for sizes that the driver cannot.
+Result<RenderTarget> makeRenderTarget(glm::ivec2 size, ColorFormat format, std::string_view label);
 
 // RGBA as the texture decodes, [height][width], first row at the bottom; waits for the GPU. sRGB targets give
 // linear values.

@@ -12,10 +12,6 @@
 namespace loden::runtime {
 namespace {
 
-uint64_t gpuBytes(const Texture& t) {
-  return textureBytes(t.format, uint64_t(t.width), uint64_t(t.height), uint64_t(t.depth), t.mips);
-}
-
 // Bands without an end, and the coarsest, are needed everywhere.
 float bandEnd(const Material& material, const Band& band) {
   return std::min(band.window.out_end, material.lambda_max + coarsestFade(material));
@@ -41,7 +37,7 @@ PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
   const PaperVdim& vdim = *material.stored_vdim;
-  return {PartKind::kStoredVdim, 0, {}, {gpuBytes(vdim.reference) + gpuBytes(vdim.packed), lambda_end}};
+  return {PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
 }
 
 // The maps, or first their tail and further on the whole.
@@ -109,11 +105,11 @@ PartTexture depthTexture(Texture depth) {
   return {LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(depth)};
 }
 
-Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads) {
+Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads, const std::stop_token& stop) {
   Result<GeometryImage> image = file.loadGeometry();
   if (!image) return image.issue();
   if (Status status = checkVdimWork(*image, size); !status) return status.issue();
-  VdimAtlas atlas = buildVdimAtlas(*image, size, threads);
+  VdimAtlas atlas = buildVdimAtlas(*image, size, threads, stop);
   LoadedPart part;
   part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
@@ -123,7 +119,7 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   return part;
 }
 
-Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads) {
+Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads, const std::stop_token& stop) {
   GeometryImage read;
   if (!kept) {
     Result<GeometryImage> image = file.loadGeometry();
@@ -133,7 +129,7 @@ Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, cons
   const GeometryImage& image = kept ? kept->geometry : read;
   if (Status status = checkVdimWork(image, size); !status) return status.issue();
   LoadedPart part;
-  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads)));
+  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads, stop)));
   return part;
 }
 
@@ -241,13 +237,13 @@ PartKind beginsWith(PartKind kind) {
   return kind == PartKind::kSurface ? PartKind::kSurfaceTail : kind;
 }
 
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads) {
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads, const std::stop_token& stop) {
   using enum AssetFile::Share;
   switch (plan.kind) {
     case PartKind::kBandLead: return loadBandPart(file, plan.band, kFirst, nullptr);
     case PartKind::kBand: return loadBandPart(file, plan.band, kAll, kept);
-    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads);
-    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads);
+    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads, stop);
+    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads, stop);
     case PartKind::kStoredVdim: return loadStoredVdimPart(file);
     case PartKind::kSurfaceTail: return loadSurfacePart(file, kFirst, nullptr);
     case PartKind::kSurface: break;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "material/asset.h"
@@ -62,7 +63,7 @@ struct LoadedPart {
 PartKind beginsWith(PartKind kind);
 
 // Reads, checks and decompresses; builds VDIM atlases. What is kept of the part that this one begins with is not read again;
-// null: all is read. For the loading threads.
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads);
+// null: all is read. After a stop an atlas comes back before it is whole. For the loading threads.
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads, const std::stop_token& stop = {});
 
 }  // namespace loden::runtime

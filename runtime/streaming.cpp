@@ -18,9 +18,9 @@ namespace {
 constexpr int kLoadNicer = 10, kRefineNicer = 19;
 
 // Memory above all: a part that does not fit is a part that failed, not the end of the process.
-Result<LoadedPart> loadRequest(const LoadingThreads::Request& request) {
+Result<LoadedPart> loadRequest(const LoadingThreads::Request& request, const std::stop_token& stop) {
   try {
-    return loadPart(*request.file, request.plan, request.kept.get(), request.atlas_threads);
+    return loadPart(*request.file, request.plan, request.kept.get(), request.atlas_threads, stop);
   } catch (const std::exception& exception) {
     return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,
                  std::string("a part could not be prepared: ") + exception.what()};
@@ -45,6 +45,7 @@ LoadingThreads::~LoadingThreads() {
   {
     std::lock_guard lock(mutex_);
     stop_ = true;
+    for (Lane& lane : lanes_) lane.stop.request_stop();
   }
   wake_threads_.notify_all();
   for (Lane& lane : lanes_) lane.thread.join();
@@ -60,8 +61,10 @@ void LoadingThreads::request(Request request) {
 
 void LoadingThreads::cancel(PartRef ref) {
   std::lock_guard lock(mutex_);
-  for (Lane& lane : lanes_)
+  for (Lane& lane : lanes_) {
     std::erase_if(lane.requests, [ref](const Request& request) { return request.ticket.ref == ref; });
+    if (lane.in_hand == ref) lane.stop.request_stop();
+  }
 }
 
 std::vector<LoadingThreads::Delivery> LoadingThreads::take() {
@@ -70,7 +73,7 @@ std::vector<LoadingThreads::Delivery> LoadingThreads::take() {
 }
 
 void LoadingThreads::wait() {
-  const auto idle = [](const Lane& lane) { return lane.requests.empty() && !lane.working; };
+  const auto idle = [](const Lane& lane) { return lane.requests.empty() && !lane.in_hand; };
   std::unique_lock lock(mutex_);
   wake_owner_.wait(lock, [&] { return !deliveries_.empty() || std::all_of(lanes_.begin(), lanes_.end(), idle); });
 }
@@ -83,12 +86,14 @@ void LoadingThreads::run(Lane& lane, int nicer) {
     if (stop_) return;
     const Request request = std::move(lane.requests.front());
     lane.requests.pop_front();
-    lane.working = true;
+    lane.in_hand = request.ticket.ref;
+    lane.stop = {};
+    const std::stop_token stop = lane.stop.get_token();
     lock.unlock();
-    Result<LoadedPart> part = loadRequest(request);
+    Result<LoadedPart> part = loadRequest(request, stop);
     lock.lock();
-    deliveries_.push_back({request.ticket, std::move(part)});
-    lane.working = false;
+    if (!stop.stop_requested()) deliveries_.push_back({request.ticket, std::move(part)});
+    lane.in_hand.reset();
     wake_owner_.notify_all();
   }
 }

@@ -8,6 +8,8 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -54,11 +56,11 @@ class LoadingThreads {
   };
 
   LoadingThreads();
-  ~LoadingThreads();  // finishes the parts in hand, drops the rest
+  ~LoadingThreads();  // drops what is not done; what is in hand ends soon
 
   // Requests of one kind are served in order.
   void request(Request request);
-  // Drops what has not been begun.
+  // Drops it, begun or not; it is not delivered from now on unless it has been.
   void cancel(PartRef ref);
   // What has been delivered since the last call; never waits.
   std::vector<Delivery> take();
@@ -68,7 +70,8 @@ class LoadingThreads {
  private:
   struct Lane {
     std::deque<Request> requests;
-    bool working = false;
+    std::optional<PartRef> in_hand;
+    std::stop_source stop;  // of it
     std::thread thread;
   };
   void run(Lane& lane, int nicer);

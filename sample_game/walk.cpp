@@ -79,17 +79,18 @@ int walkHeadless(const Options& options, World& world, Clock::time_point start) 
   constexpr float kFrameSeconds = 1.0f / 30;
   Recorder recorder(options, frames);
   if (Status status = recorder.begin(); !status) return fail(status.issue());
-  const RenderTarget target = makeRenderTarget(options.size, ColorFormat::kSrgb8, "walk");
+  const auto target = makeRenderTarget(options.size, ColorFormat::kSrgb8, "walk");
+  if (!target) return fail(target.issue());
   recorder.report().gl = world.device->capabilities();
   recorder.report().start_ms = millisecondsSince(start);
   for (int i = 0; i < frames && !interrupted; ++i) {
     const double t = frames > 1 ? world.path.duration() * i / (frames - 1) : 0;
-    auto record = drawFrame(world, world.path.at(t), {target.framebuffer.name(), options.size}, !options.stream, kFrameSeconds);
+    auto record = drawFrame(world, world.path.at(t), {target->framebuffer.name(), options.size}, !options.stream, kFrameSeconds);
     if (!record) return fail(record.issue());
     record->t = t;
     recorder.addFrame(*std::move(record));
     if (recorder.wantsPixels(i))
-      if (Status status = recorder.addPixels(i, readCodes(target)); !status) return fail(status.issue());
+      if (Status status = recorder.addPixels(i, readCodes(*target)); !status) return fail(status.issue());
     showProgress(options, i, frames);
   }
   if (interrupted) return kExitInterrupted;

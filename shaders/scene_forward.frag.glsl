@@ -54,12 +54,12 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws,
     if (wi.z > 0.0 && irradiance.r + irradiance.g + irradiance.b > 1e-4)
       radiance += irradiance * surfaceRadiance(point, wi, wo);
   }
-  for (int k = 0; k < scene.flags.z; ++k) {
+  for (int k = 0; k < scene.flags.y; ++k) {
     vec3 wi = scene.environment_suns[2 * k].xyz * frame;
     if (wi.z > 0.0) radiance += scene.environment_suns[2 * k + 1].rgb * surfaceRadiance(point, wi, wo);
   }
   // A loop, so that renderers which run both sides of every branch skip it too.
-  for (int k = 0; k < scene.flags.w; ++k) radiance += surfaceEnvironment(point, frame, wo);
+  for (int k = 0; k < scene.flags.z; ++k) radiance += surfaceEnvironment(point, frame, wo);
   return radiance;
 }
 

@@ -44,8 +44,8 @@ struct SceneFrame {
   vec4 sun_irradiance;      // linear RGB on a surface that faces it
   vec4 environment[9];      // as loden_hemisphere_light takes it
   vec4 environment_suns[2 * SCENE_MAX_SUNS];  // each: unit direction towards it; linear RGB irradiance facing it
-  ivec4 flags;              // bits, numbers of lights and of the environment's suns; 1 if the rest of it gives light
-  vec4 lambda;              // override, bias, unused x 2
+  ivec4 flags;              // bits, number of the environment's suns, 1 if the rest of it gives light, unused
+  vec4 lambda;              // override, unused x 3
   SceneLight lights[SCENE_MAX_LIGHTS];
 };
 

@@ -17,7 +17,6 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
   SurfacePoint point;
   point.material = loden_material_default();
   point.material.lambda_min = loden_material.mean_chroma.z;
-  point.material.lambda_bias = scene.lambda.y;
   point.material.tile_length = object.tile.x;
 #ifdef SCENE_FOLLOW_SURFACE
   loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);

@@ -22,14 +22,12 @@ struct Part {
   double lambda_first = 0;  // levels from here on need it; bands of lower lambda come later in the file
 };
 
-uint64_t bytesOf(const Texture& t) { return textureBytes(t.format, t.width, t.height, t.depth, t.mips); }
-
 std::string extentOf(const Texture& t) {
   return formatted("%dx%dx%d", t.width, t.height, t.depth) + (t.mips > 1 ? formatted(" %d mips", t.mips) : "");
 }
 
 Part partOf(const std::string& name, const Texture& texture, uint64_t stored_bytes, double lambda_first = 0) {
-  const uint64_t bytes = bytesOf(texture);
+  const uint64_t bytes = textureBytes(texture);
   return {name, texelFormatName(texture.format), extentOf(texture), bytes, stored_bytes, bytes, lambda_first};
 }
 
@@ -108,8 +106,8 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
       // Mips above the level need not be there.
       const int skipped = std::clamp(level - static_cast<int>(band.lambda_first), 0, band.weights.mips - 1);
       const Texture& w = band.weights;
-      const uint64_t weights = bytesOf(w) - textureBytes(w.format, w.width, w.height, w.depth, skipped);
-      const uint64_t tables = bytesOf(band.table) + (band.light_quads > 0 ? bytesOf(band.light_table) : 0);
+      const uint64_t weights = textureBytes(w) - w.mipOffset(skipped);
+      const uint64_t tables = textureBytes(band.table) + (band.light_quads > 0 ? textureBytes(band.light_table) : 0);
       bytes.raw += weights + tables;
       bytes.gpu += weights + tables + environmentTableBytes(band);
       if (band.lead_quads > 0) bytes.gpu += gpuBytes(leadOf(band));

@@ -136,7 +136,7 @@ std::shared_ptr<const ByteSource> assetSource(const Material& material) {
 }
 
 FullScreen::FullScreen(glm::ivec2 size)
-    : target_(makeRenderTarget(size, ColorFormat::kLinear32, "bench")), array_(makeVertexArray("bench")) {
+    : target_(require(makeRenderTarget(size, ColorFormat::kLinear32, "bench"))), array_(makeVertexArray("bench")) {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer.name());
   glViewport(0, 0, size.x, size.y);
   glBindVertexArray(array_.name());

@@ -92,7 +92,7 @@ Scene galleryScene(const std::vector<Material>& materials, int count, int height
   scene.meshes.push_back(panelMesh());
   for (int i = 0; i < count; ++i) {
     Material variation = materials[size_t(i) % materials.size()];
-    variation.name += " " + std::to_string(i);
+    variation.name.append(" ").append(std::to_string(i));
     variation.mean.cb += 0.002f * float(i % 10);
     SceneMaterial material;
     material.name = variation.name;

@@ -96,7 +96,7 @@ Stage makeStage(const Device& device, const Scene& scene, const FrameSettings& s
 
 void reportFrameSkip(const Device& device, const char* name, const Scene& scene, const FrameSettings& on,
                      const FrameSettings& off) {
-  const RenderTarget target = makeRenderTarget({400, 300}, ColorFormat::kSrgb8, "skips");
+  const RenderTarget target = require(makeRenderTarget({400, 300}, ColorFormat::kSrgb8, "skips"));
   Stage stages[] = {makeStage(device, scene, on, target.size), makeStage(device, scene, off, target.size)};
   std::vector<std::function<void()>> tasks;
   for (const Stage& stage : stages)
@@ -152,7 +152,7 @@ void reportLevels(const Device& device) {
 
 void reportVariants(const Device& device) {
   Stage stage = makeStage(device, planes(1, [](int) { return glm::vec3(0); }), {}, {64, 48});
-  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kSrgb8, "variants");
+  const RenderTarget target = require(makeRenderTarget({64, 48}, ColorFormat::kSrgb8, "variants"));
   if (Status status = stage.renderer->draw({target.framebuffer.name(), target.size}); !status) fail(status.issue());
   int listed = 0;
   for (const ProgramRow& row : kProgramRows) listed += static_cast<int>(rowVariants(row).size());

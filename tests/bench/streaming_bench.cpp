@@ -112,7 +112,7 @@ void reportWalk(const Device& device, const Scene& scene, const Path& path, uint
   MaterialSystemOptions options;
   options.budget_bytes = megabytes << 20;
   const Stage stage = makeStage(device, scene, options);
-  const RenderTarget target = makeRenderTarget({16, 9}, ColorFormat::kSrgb8, "walk");  // what is drawn does not count here
+  const RenderTarget target = require(makeRenderTarget({16, 9}, ColorFormat::kSrgb8, "walk"));  // what is drawn does not count here
   const uint64_t headers = stage.materials->stats().read_bytes;
   Walk walk;
   std::vector<double> update_ms;
@@ -192,7 +192,7 @@ Times walkTwice(const Stage& still, const Stage& stage, const Path& path, const 
 void reportTimes(const Device& device, const std::vector<Material>& materials, int rounds) {
   const Path path{60, 660, 45, {256, 144}};
   const Scene scene = galleryScene(materials, kMaterials, path.size.y);
-  const RenderTarget target = makeRenderTarget(path.size, ColorFormat::kSrgb8, "times");
+  const RenderTarget target = require(makeRenderTarget(path.size, ColorFormat::kSrgb8, "times"));
   MaterialSystemOptions all;
   all.budget_bytes = uint64_t{4} << 30;
   all.release_seconds = 1e9f;
@@ -254,7 +254,7 @@ std::vector<glm::vec3> picture(const RenderTarget& target) {
 StillRow watch(const Device& device, const Material& material, int rate) {
   constexpr glm::ivec2 kStillSize{160, 120};
   constexpr int kMostFrames = 2000;
-  const RenderTarget target = makeRenderTarget(kStillSize, ColorFormat::kSrgb8, "still");
+  const RenderTarget target = require(makeRenderTarget(kStillSize, ColorFormat::kSrgb8, "still"));
   const View view = makeView({}, kStillSize);
   MaterialSystemOptions options;
   options.upload_bytes_per_frame = 64 << 10;
@@ -293,7 +293,7 @@ void reportStill(const Device& device, const std::vector<Material>& materials) {
 // --- the size of the scene -------------------------------------------------------------------------------------
 
 void reportScale(const Device& device) {
-  const RenderTarget target = makeRenderTarget({400, 300}, ColorFormat::kSrgb8, "scale");
+  const RenderTarget target = require(makeRenderTarget({400, 300}, ColorFormat::kSrgb8, "scale"));
   const View view = makeView({}, target.size);
   const int counts[] = {1, 10, 100, 1000, 10000};
   std::vector<Stage> stages;

@@ -3,6 +3,7 @@
 
 #include <type_traits>
 
+#include "material/issues.h"
 #include "runtime/gl_state.h"
 #include "tests/gl/gl_fixture.h"
 
@@ -77,9 +78,27 @@ TEST_F(GlObjects, CarryTheirLabel) {
   EXPECT_STREQ(label, "sixteen bytes");
 }
 
+TEST_F(GlObjects, TargetsOfImpossibleSizesAreRefusedQuietly) {
+  const int side = device->capabilities().max_texture_side;
+  for (const glm::ivec2 size : {glm::ivec2(0, 4), glm::ivec2(4, -1), glm::ivec2(side + 1, 1), glm::ivec2(1, 2147483647)}) {
+    const auto target = makeRenderTarget(size, ColorFormat::kSrgb8, "target");
+    ASSERT_FALSE(target.ok()) << size.x << " x " << size.y;
+    EXPECT_EQ(target.issue().id, issue_id::kMemory);
+  }
+  EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
+  EXPECT_TRUE(makeRenderTarget({side, 1}, ColorFormat::kSrgb8, "target").ok());
+}
+
+TEST_F(GlObjects, TargetsTooLargeForMemoryAreRefused) {
+  const int side = device->capabilities().max_texture_side;
+  tolerated = 100;  // as many as the driver likes to say about it
+  const auto target = makeRenderTarget({side, side}, ColorFormat::kLinear32, "target");
+  EXPECT_EQ(target ? issue_id::kMemory : target.issue().id, issue_id::kMemory);
+}
+
 TEST_F(GlObjects, TargetsReadBackWhatWasCleared) {
   for (const ColorFormat format : {ColorFormat::kSrgb8, ColorFormat::kLinear16, ColorFormat::kLinear32}) {
-    const RenderTarget target = makeRenderTarget({3, 2}, format, "target");
+    const RenderTarget target = *makeRenderTarget({3, 2}, format, "target");
     const float color[4] = {0.5f, 0.25f, 1, 1};
     glEnable(GL_FRAMEBUFFER_SRGB);
     glClearNamedFramebufferfv(target.framebuffer.name(), GL_COLOR, 0, color);

@@ -63,7 +63,9 @@ TEST_F(EnvironmentTest, RefusesWhatIsNoPanorama) {
     for (int channel = 0; channel < 4; ++channel) lines += "\x90\x80";
   }
   EXPECT_TRUE(readPanorama(TemporaryFile(lines).path()).ok());
-  const std::string too_long = std::string(lines).replace(lines.size() - 2, 1, "\x91"), no_run = std::string(lines).replace(lines.size() - 2, 2, std::string(2, '\0'));
+  std::string too_long = lines, no_run = lines;
+  too_long[lines.size() - 2] = '\x91';
+  no_run[lines.size() - 2] = no_run[lines.size() - 1] = '\0';
   for (const std::string& bytes : {too_long, no_run, lines.substr(0, lines.size() - 1)})
     EXPECT_FALSE(readPanorama(TemporaryFile(bytes).path()).ok());
   EXPECT_FALSE(readPanorama(cut.path()).ok());
@@ -100,7 +102,7 @@ TEST_F(EnvironmentTest, RendererShowsWhatTheEvaluatorSays) {
     Camera camera;
     camera.position = {0, -1, 1};
     camera.fov_degrees = 1;
-    const RenderTarget target = makeRenderTarget({9, 9}, ColorFormat::kLinear32, "frame");
+    const RenderTarget target = *makeRenderTarget({9, 9}, ColorFormat::kLinear32, "frame");
     (*renderer)->prepare(makeView(camera, target.size), settings);
     materials->finishLoading();
     ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());

@@ -47,7 +47,7 @@ TEST_F(FrameTest, EveryPublicCallLeavesGlStateAsFound) {
   auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
   ASSERT_TRUE(renderer.ok()) << renderer.issue().text;
   expectUnchanged("create");
-  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kSrgb8, "frame");
+  const RenderTarget target = *makeRenderTarget({64, 48}, ColorFormat::kSrgb8, "frame");
   for (const int samples : {1, 4}) {
     FrameSettings settings;
     settings.samples = samples;
@@ -68,7 +68,7 @@ TEST_F(FrameTest, DrawsThePlaneWithItsMaterial) {
   ShaderLibrary shaders(*device, {});
   auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
   ASSERT_TRUE(renderer.ok());
-  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kLinear32, "frame");
+  const RenderTarget target = *makeRenderTarget({64, 48}, ColorFormat::kLinear32, "frame");
   (*renderer)->prepare(viewOf(target.size), {});
   materials->finishLoading();
   ASSERT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
@@ -78,7 +78,7 @@ TEST_F(FrameTest, DrawsThePlaneWithItsMaterial) {
 }
 
 std::vector<glm::vec4> picture(FrameRenderer& renderer, MaterialSystem& materials) {
-  const RenderTarget target = makeRenderTarget({64, 48}, ColorFormat::kLinear32, "frame");
+  const RenderTarget target = *makeRenderTarget({64, 48}, ColorFormat::kLinear32, "frame");
   renderer.prepare(viewOf(target.size), {});
   materials.finishLoading();
   EXPECT_TRUE(renderer.draw({target.framebuffer.name(), target.size}).ok());
@@ -132,7 +132,7 @@ TEST_F(FrameTest, KeepsBrightnessAboveOneWithSeveralSamples) {
   away.position = {0, 0, 2};
   away.target = {0, 0, 4};
   for (const ColorFormat format : {ColorFormat::kLinear32, ColorFormat::kSrgb8, ColorFormat::kLinear16}) {
-    const RenderTarget target = makeRenderTarget({16, 16}, format, "frame");
+    const RenderTarget target = *makeRenderTarget({16, 16}, format, "frame");
     std::vector<glm::vec4> pixels[2];
     for (const int samples : {1, 4}) {
       settings.samples = samples;
@@ -149,7 +149,7 @@ TEST_F(FrameTest, SaysWhereATargetCannotBe) {
   ShaderLibrary shaders(*device, {});
   auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
   ASSERT_TRUE(renderer.ok());
-  const RenderTarget target = makeRenderTarget({16, 16}, ColorFormat::kSrgb8, "frame");
+  const RenderTarget target = *makeRenderTarget({16, 16}, ColorFormat::kSrgb8, "frame");
   FrameSettings settings;
   settings.samples = 4;
   (*renderer)->prepare(viewOf(target.size), settings);

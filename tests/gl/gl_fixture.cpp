@@ -91,7 +91,7 @@ std::vector<glm::vec4> drawMaterial(MaterialSystem& system, MaterialId id, float
     ADD_FAILURE() << program.issue().where << ": " << program.issue().text;
     return {};
   }
-  const RenderTarget target = makeRenderTarget(size, ColorFormat::kLinear32, "picture");
+  const RenderTarget target = *makeRenderTarget(size, ColorFormat::kLinear32, "picture");
   const GlVertexArray array = makeVertexArray("picture");
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
   glViewport(0, 0, size.x, size.y);

@@ -511,7 +511,7 @@ TEST_F(EngineManners, EveryPublicCallLeavesGlStateAsFound) {
   expectUnchanged("update");
   system->finishLoading();
   expectUnchanged("finishLoading");
-  const RenderTarget target = makeRenderTarget({4, 4}, ColorFormat::kSrgb8, "target");
+  const RenderTarget target = *makeRenderTarget({4, 4}, ColorFormat::kSrgb8, "target");
   readLinear(target);
   readCodes(target);
   expectUnchanged("render target");

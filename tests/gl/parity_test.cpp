@@ -153,7 +153,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   defines.push_back("X_FROM_TANGENT " + matrixText(localSurface(way).x_from_tangent));
   const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
   EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
-  const RenderTarget target = makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
+  const RenderTarget target = *makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
   const GlTexture texture = uploadSamples(samples);
   const GlVertexArray no_vertices = makeVertexArray("none");
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());

@@ -88,7 +88,7 @@ class Relief : public GlTest {
     camera.target = {centre, 0, 0};
     camera.up = {0, 1, 0};
     camera.fov_degrees = 10;
-    const RenderTarget target = makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
+    const RenderTarget target = *makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
     (*renderer)->prepare(makeView(camera, target.size), settings);
     materials->finishLoading();
     EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
@@ -183,7 +183,7 @@ TEST_F(Relief, KeepsTheShadowMapUpToDateWhileStreaming) {
   camera.target = {0.75f * kPeriod, 0, 0};
   camera.up = {0, 1, 0};
   camera.fov_degrees = 10;
-  const RenderTarget target = makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
+  const RenderTarget target = *makeRenderTarget(kSize, ColorFormat::kLinear32, "relief");
   const auto draw = [&](FrameRenderer& with) {
     with.prepare(makeView(camera, target.size), settings);
     materials->update(0.1f);

@@ -37,7 +37,7 @@ class SceneUvTest : public GlTest {
     FrameSettings settings;
     settings.shadows = false;
     settings.tone = ToneCurve::kClip;
-    const RenderTarget target = makeRenderTarget(kSize, ColorFormat::kLinear32, "uv test");
+    const RenderTarget target = *makeRenderTarget(kSize, ColorFormat::kLinear32, "uv test");
     (*renderer)->prepare(makeView(camera, kSize), settings);
     materials->finishLoading();
     EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), kSize}).ok());

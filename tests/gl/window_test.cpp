@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdlib>
+#include <cstring>
 
 #include "tests/gl/gl_fixture.h"
 
@@ -28,7 +28,8 @@ class DisplayServer {
     }
     ::close(ends[1]);
     char number[16] = {};
-    if (::read(ends[0], number, sizeof number - 1) > 0) name_.assign(":").append(std::to_string(std::atoi(number)));
+    number[0] = ':';
+    if (::read(ends[0], number + 1, sizeof number - 2) > 0) name_.assign(number, 1 + std::strspn(number + 1, "0123456789"));
     ::close(ends[0]);
   }
   ~DisplayServer() {

@@ -68,7 +68,7 @@ TEST(Directions, SphericalCoordinatesRoundTrip) {
     for (double phi = 0; phi < 6.28; phi += 0.37) {
       const Spherical s = sphericalFromDirection(directionFromSpherical({theta, phi}));
       EXPECT_NEAR(s.theta, theta, 1e-12);
-      if (theta > 0) EXPECT_NEAR(s.phi, phi, 1e-12);
+      if (theta > 0) { EXPECT_NEAR(s.phi, phi, 1e-12); }
     }
 }
 

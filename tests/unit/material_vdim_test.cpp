@@ -5,8 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <latch>
 #include <random>
+#include <thread>
 
 namespace loden {
 namespace {
@@ -245,6 +248,24 @@ TEST(Vdim, AtlasDoesNotDependOnThreads) {
   const VdimAtlas one = buildVdimAtlas(image, {16, 8}, 1), many = buildVdimAtlas(image, {16, 8}, 7);
   EXPECT_EQ(one.depth.data, many.depth.data);
   EXPECT_EQ(one.volume.data, many.volume.data);
+}
+
+TEST(Vdim, BuildingStopsBetweenDirections) {
+  constexpr VdimAtlasSize kLarge{4, 256};  // seconds of work
+  const GeometryImage image = waveImage(128, 0.15, 0.35);
+  std::stop_source stop;
+  Texture depth;
+  std::latch begun(1);
+  std::thread builder([&] {
+    begun.count_down();
+    depth = buildVdimDepth(image, kLarge, 2, stop.get_token());
+  });
+  begun.wait();
+  stop.request_stop();
+  builder.join();
+  int built = 0;  // every texel of a whole layer lies above the deepest point, code 0
+  for (int layer = 0; layer < depth.depth; ++layer) built += depth.data[size_t(layer) * 16] != std::byte{0};
+  EXPECT_LT(built, depth.depth / 2);
 }
 
 TEST(Vdim, HugeCoordinatesKeepTheirFraction) {

@@ -4,7 +4,7 @@
 #include <map>
 #include <sstream>
 
-#include "importer/baked_files.h"
+#include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
 #include "importer/mesh_material.h"
 #include "importer/tile_internal.h"
@@ -141,7 +141,7 @@ Status ObjReader::readFace(std::istringstream& line) {
 Status ObjReader::readMaterials(const std::string& file) {
   const auto relative = confinedPath(file, path_.string() + ": mtllib");
   if (!relative) return relative.issue();
-  const auto text = readText(path_.parent_path() / *relative);
+  const auto text = readFile(path_.parent_path() / *relative);
   if (!text) return text.issue();
   std::istringstream lines(*text);
   LocalBrdf* brdf = nullptr;
@@ -182,7 +182,7 @@ Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstrea
 }  // namespace
 
 Result<PolygonMesh> readObjMesh(const fs::path& path) {
-  const auto text = readText(path);
+  const auto text = readFile(path);
   if (!text) return text.issue();
   return ObjReader(path).read(*text);
 }

@@ -193,8 +193,9 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
     const auto normals = accessor(attribute("NORMAL"), 3, where + " NORMAL");
     if (!normals) return normals.issue();
     if (normals->size() != positions->size()) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of normals and positions");
-    const glm::dmat3 cofactor = glm::transpose(glm::inverse(glm::dmat3(world)));
-    for (size_t v = 0; v < vertices; ++v) mesh_.normals.push_back(zUp(cofactor * glm::make_vec3(&(*normals)[3 * v])));
+    const glm::dmat3 m(world), cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    const double front = glm::determinant(m) < 0 ? -1 : 1;  // a mirror keeps normals on their side
+    for (size_t v = 0; v < vertices; ++v) mesh_.normals.push_back(zUp(front * cofactor * glm::make_vec3(&(*normals)[3 * v])));
   }
   mesh_.normals.resize(first + vertices, glm::dvec3(0));
 

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "importer/baked_files.h"
+#include "importer/file_read.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -47,7 +48,7 @@ std::string presentManifest(const fs::path& folder) {
   for (const fs::path& path : {unfinishedPath(folder), finishedPath(folder)}) {
     std::error_code error;
     if (!fs::exists(path, error)) continue;
-    if (const auto text = readText(path)) return *text;
+    if (const auto text = readFile(path)) return *text;
     unreadable = true;
   }
   return unreadable ? "unreadable" : "";
@@ -122,7 +123,7 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
     if (error)
       return Issue{issue_id::kCannotWrite, Severity::kError, (folder / part).string(), "cannot be created: " + error.message()};
   }
-  if (const auto stands = readText(unfinishedPath(folder)); !stands || *stands != wanted)
+  if (const auto stands = readFile(unfinishedPath(folder)); !stands || *stands != wanted)
     if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status) return status.issue();
   BakeFolder result;
   result.folder_ = folder;

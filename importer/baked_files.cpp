@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "material/issues.h"
 
@@ -152,14 +151,6 @@ Status writeText(const fs::path& path, const std::string& text, const std::strin
   fs::rename(temporary, path, error);
   if (error) return refuse(error.message());
   return {};
-}
-
-Result<std::string> readText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "cannot be opened; is the path right?"};
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
 }
 
 }  // namespace loden::importer

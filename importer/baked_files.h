@@ -41,6 +41,5 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
 
 // Text into a file, whole or not at all. `temporary_suffix` tells apart processes that write the same file.
 Status writeText(const std::filesystem::path& path, const std::string& text, const std::string& temporary_suffix);
-Result<std::string> readText(const std::filesystem::path& path);
 
 }  // namespace loden::importer

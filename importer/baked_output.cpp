@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "importer/baked_files.h"
+#include "importer/file_read.h"
 #include "importer/image_file.h"
 #include "importer/repair_log.h"
 #include "material/issues.h"
@@ -66,10 +67,11 @@ Status makeFinite(std::vector<Texel>& texels, const MapShape& shape, const char*
 Result<BakedOutput> BakedOutput::open(const fs::path& folder, std::shared_ptr<RepairLog> repairs) {
   const fs::path path = folder / "bake.json";
   std::error_code error;
+  if (Status status = checkOpens(folder, Openable::kFileOrFolder); !status) return status.issue();
   if (!fs::exists(path, error))
     return Issue{issue_id::kBakeIncomplete, Severity::kError, folder.string(),
                  "no bake.json: not a baked output, or a bake that has not finished (bake again with --resume)"};
-  const auto text = readText(path);
+  const auto text = readFile(path);
   if (!text) return text.issue();
   auto manifest = parseManifest(*text, path.string());
   if (!manifest) return manifest.issue();

@@ -10,7 +10,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
-#include "importer/baked_files.h"
+#include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
 #include "importer/mesh_material.h"
 #include "importer/tile_internal.h"
@@ -36,9 +36,9 @@ bool fileExists(const std::string& uri, void* folder) {
   const fs::path path = confined(uri, folder);
   return !path.empty() && fs::is_regular_file(path, error);
 }
-bool readFile(std::vector<unsigned char>* out, std::string* error, const std::string& uri, void* folder) {
+bool readInto(std::vector<unsigned char>* out, std::string* error, const std::string& uri, void* folder) {
   const fs::path path = confined(uri, folder);
-  const auto text = path.empty() ? Result<std::string>(Issue{}) : readText(path);
+  const auto text = path.empty() ? Result<std::string>(Issue{}) : readFile(path);
   if (!text) {
     *error += "'" + uri + "' cannot be read from the file's folder";
     return false;
@@ -194,8 +194,9 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
     const auto normals = accessor(attribute("NORMAL"), 3, where + " NORMAL");
     if (!normals) return normals.issue();
     if (normals->size() != positions->size()) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of normals and positions");
-    const glm::dmat3 cofactor = glm::transpose(glm::inverse(glm::dmat3(world)));
-    for (size_t v = 0; v < vertices; ++v) mesh_.normals.push_back(zUp(cofactor * glm::make_vec3(&(*normals)[3 * v])));
+    const glm::dmat3 m(world), cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    const double front = glm::determinant(m) < 0 ? -1 : 1;  // a mirror keeps normals on their side
+    for (size_t v = 0; v < vertices; ++v) mesh_.normals.push_back(zUp(front * cofactor * glm::make_vec3(&(*normals)[3 * v])));
   }
   mesh_.normals.resize(first + vertices, glm::dvec3(0));
 
@@ -294,7 +295,7 @@ Status checkRequired(const nlohmann::ordered_json& json, const std::string& name
 
 Result<PolygonMesh> readGltfMesh(const fs::path& path) {
   const std::string name = path.string();
-  const auto bytes = readText(path);
+  const auto bytes = readFile(path);
   if (!bytes) return bytes.issue();
   const auto document = parseGltf(*bytes, name);  // nesting depth, before tinygltf sees the text
   if (!document) return document.issue();
@@ -302,7 +303,7 @@ Result<PolygonMesh> readGltfMesh(const fs::path& path) {
 
   fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({fileExists, sameUri, readFile, refuseWrite, &folder});
+  loader.SetFsCallbacks({fileExists, sameUri, readInto, refuseWrite, &folder});
   tinygltf::Model model;
   std::string error, warning;
   const auto size = static_cast<unsigned>(bytes->size());

@@ -2,6 +2,7 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include "importer/file_read.h"
 #include "importer/temporary_file.h"
 #include "material/check.h"
 #include "material/issues.h"
@@ -49,8 +50,7 @@ Status writeImage(const fs::path& path, int width, int height, int channels, Pix
 }
 
 Result<Image> readImage(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file"};
+  if (Status status = checkOpens(path, Openable::kFile); !status) return status.issue();
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) return Issue{issue_id::kImage, Severity::kError, path.string(), "is no image that can be read: " + OIIO::geterror()};
   const OIIO::ImageSpec& spec = input->spec();

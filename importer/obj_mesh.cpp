@@ -4,7 +4,7 @@
 #include <map>
 #include <sstream>
 
-#include "importer/baked_files.h"
+#include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
 #include "importer/mesh_material.h"
 #include "importer/tile_internal.h"
@@ -142,7 +142,7 @@ Status ObjReader::readFace(std::istringstream& line) {
 Status ObjReader::readMaterials(const std::string& file) {
   const auto path = confinedPath(path_.parent_path(), file, path_.string() + ": mtllib");
   if (!path) return path.issue();
-  const auto text = readText(*path);
+  const auto text = readFile(*path);
   if (!text) return text.issue();
   std::istringstream lines(*text);
   LocalBrdf* brdf = nullptr;
@@ -183,7 +183,7 @@ Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstrea
 }  // namespace
 
 Result<PolygonMesh> readObjMesh(const fs::path& path) {
-  const auto text = readText(path);
+  const auto text = readFile(path);
   if (!text) return text.issue();
   return ObjReader(path).read(*text);
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
+#include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
 #include "material/asset.h"
 #include "material/atomic_file.h"
@@ -22,13 +22,6 @@ namespace fs = std::filesystem;
 
 Issue extensionIssue(const fs::path& scene, const std::string& text) {
   return {issue_id::kGltfExtension, Severity::kError, scene.string(), text};
-}
-
-Result<std::string> bytesOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || fs::is_directory(path))
-    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
-  return std::string{std::istreambuf_iterator<char>(file), {}};
 }
 
 Result<int> findMaterial(const Json& scene, const PackOptions& options) {
@@ -112,14 +105,14 @@ using Copies = std::vector<Copy>;
 bool isFree(const fs::path& to, const std::string& bytes) {
   std::error_code error;
   if (!fs::exists(to, error)) return true;
-  const auto present = bytesOf(to);
+  const auto present = readFile(to);
   return present && *present == bytes;
 }
 
 Status copyFile(const Copy& copy, PackReport& report) {
   std::error_code error;
   if (fs::equivalent(copy.from, copy.to, error)) return {};
-  const auto bytes = bytesOf(copy.from);
+  const auto bytes = readFile(copy.from);
   if (!bytes) return bytes.issue();
   fs::create_directories(copy.to.parent_path(), error);
   if (Status status = writeFileAtomically(copy.to, std::as_bytes(std::span(*bytes))); !status) return status;
@@ -140,7 +133,7 @@ Status planResources(const Json& scene, const PackOptions& options, Copies& copi
       if (const auto inside = confinedPath(from, uri, where); !inside) return inside.issue();
       std::error_code error;
       if (fs::equivalent(from / *path, to / *path, error)) continue;
-      const auto bytes = bytesOf(from / *path);
+      const auto bytes = readFile(from / *path);
       if (!bytes) return bytes.issue();
       if (!isFree(to / *path, *bytes))
         return Issue{issue_id::kExists, Severity::kError, (to / *path).string(),
@@ -198,7 +191,7 @@ Status checkTexCoords(const Json& scene, int material, const PackOptions& option
 }  // namespace
 
 Result<PackReport> pack(const PackOptions& options) {
-  const auto scene_bytes = bytesOf(options.scene);
+  const auto scene_bytes = readFile(options.scene);
   if (!scene_bytes) return scene_bytes.issue();
   auto document = parseGltf(*scene_bytes, options.scene.string());
   if (!document) return document.issue();
@@ -206,7 +199,7 @@ Result<PackReport> pack(const PackOptions& options) {
     return Issue{issue_id::kVersion, Severity::kError, options.output.string(),
                  "must be the same kind of file as the scene: .gltf to .gltf, .glb to .glb"};
   if (const auto wrong = wrongTypes(document->json, options.scene.string()); !wrong.empty()) return wrong.front();
-  const auto asset_bytes = bytesOf(options.asset);
+  const auto asset_bytes = readFile(options.asset);
   if (!asset_bytes) return asset_bytes.issue();
   const auto asset = parseAsset(std::as_bytes(std::span(*asset_bytes)), options.asset.string());
   if (!asset) return asset.issue();

@@ -35,7 +35,8 @@ struct PackReport {
 // not at all.
 Result<PackReport> pack(const PackOptions& options);
 
-// Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to.
-std::vector<Issue> validateGltf(const std::filesystem::path& path);
+// Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to; no result (kCannotOpen, kCannotRead)
+// if the scene itself cannot be read.
+Result<std::vector<Issue>> validateGltf(const std::filesystem::path& path);
 
 }  // namespace loden::importer

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "importer/file_read.h"
 #include "importer/temporary_file.h"
 #include "material/color.h"
 #include "material/issues.h"
@@ -70,9 +71,7 @@ bool isInteger(const std::string& extension) { return extension == ".png" || ext
 }  // namespace
 
 Result<Picture> readPicture(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file"};
+  if (Status status = checkOpens(path, Openable::kFile); !status) return status.issue();
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) return imageIssue(path, "is no image that can be read: " + OIIO::geterror());
   const OIIO::ImageSpec& spec = input->spec();

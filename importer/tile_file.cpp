@@ -99,7 +99,13 @@ Status makeFinite(PolygonMesh& mesh, const std::string& where, RepairLog* repair
                     (repairs ? " and have no neighbour to repair them from" : "; repair the mesh, or let --fix-nonfinite do it"));
 }
 
-// Area-weighted over the triangles around each point of the periodic surface, for vertices that have none.
+void makeUnit(std::vector<glm::dvec3>& normals) {
+  for (glm::dvec3& normal : normals)
+    if (const double length = glm::length(normal); length > 0) normal /= length;
+}
+
+// Area-weighted over the triangles around each point of the periodic surface, for vertices that have none, or the mean of
+// two that cancel.
 void completeNormals(Tile& tile) {
   const auto same = weldVertices(tile.positions, {1, 1, 0}, 1e-6);
   std::vector<glm::dvec3> sum(tile.positions.size(), glm::dvec3(0));
@@ -157,6 +163,7 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
   if (!mesh) return mesh.issue();
   if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "no faces; a tile needs a surface");
   if (const Status status = makeFinite(*mesh, where, options.repairs.get()); !status) return status.issue();
+  makeUnit(mesh->normals);
   if (options.subdivide == 0)  // OpenSubdiv judges cages itself
     if (const Status status = repairMesh(*mesh, where); !status) return status.issue();
   if (mesh->face_sizes.empty()) return refuse(issue_id::kTileGeometry, where, "all triangles are degenerate: their corners lie on lines");

@@ -19,7 +19,7 @@ Tile weaveTile(int resolution);
 // are already split where texture coordinates are.
 struct PolygonMesh {
   std::vector<glm::dvec3> positions;
-  std::vector<glm::dvec3> normals;  // empty: to be computed
+  std::vector<glm::dvec3> normals;  // of any length; 0 where the file has none; empty: to be computed
   std::vector<glm::dvec2> uvs;      // empty: none in the file
   std::vector<LocalBrdf> brdfs;     // per vertex
   std::vector<int> face_sizes;      // corners per face

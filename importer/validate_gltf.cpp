@@ -1,8 +1,8 @@
 // What `loden validate` says about a scene. Numbers as in material/issues.h.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
+#include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
 #include "importer/gltf/gltf_resource.h"
 #include "importer/pack.h"
@@ -248,12 +248,11 @@ class SceneCheck {
 
 }  // namespace
 
-std::vector<Issue> validateGltf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return {{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"}};
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  const auto document = parseGltf(bytes, path.string());
-  if (!document) return {document.issue()};
+Result<std::vector<Issue>> validateGltf(const fs::path& path) {
+  const auto bytes = readFile(path);
+  if (!bytes) return bytes.issue();
+  const auto document = parseGltf(*bytes, path.string());
+  if (!document) return std::vector<Issue>{document.issue()};
   return SceneCheck(path, *document).run();
 }
 

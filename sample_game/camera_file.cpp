@@ -37,7 +37,9 @@ void checkView(const glm::dvec3& position, const glm::dvec3& target, const glm::
 template <class T, class Read>
 Result<T> readJson(const std::filesystem::path& path, const Read& read) {
   std::ifstream in(path);
-  if (!in) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "cannot be opened for reading"};
+  std::error_code none;
+  if (!in || std::filesystem::is_directory(path, none))
+    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "cannot be opened for reading"};
   try {
     return read(Json::parse(in));
   } catch (const std::exception& error) {

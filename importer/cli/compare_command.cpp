@@ -7,8 +7,8 @@
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
 #include "importer/compare.h"
+#include "importer/file_read.h"
 #include "material/asset.h"
-#include "material/issues.h"
 
 namespace loden::importer {
 namespace {
@@ -58,8 +58,7 @@ class CompareCommand : public Command {
     compare_.threads = globals.threads;
     compare_.quiet = globals.quiet;
     for (const auto& path : {reference_, test_})
-      if (inputKind(path) == InputKind::kMissing)
-        return fail({issue_id::kCannotOpen, Severity::kError, path.string(), "no such file or folder"});
+      if (const Status status = checkOpens(path, Openable::kFileOrFolder); !status) return fail(status.issue());
     const bool pictures = inputKind(reference_) == InputKind::kPicture;
     if (pictures != (inputKind(test_) == InputKind::kPicture))
       return failUsage("a picture can be compared with a picture only; `loden extract` makes one of a material");

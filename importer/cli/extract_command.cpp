@@ -6,6 +6,7 @@
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
+#include "importer/file_read.h"
 #include "importer/packed_lod.h"
 #include "importer/picture.h"
 #include "material/asset.h"
@@ -95,11 +96,11 @@ class ExtractCommand : public Command {
     if (!view) return fail(view.issue());
     if (const Status status = checkPictureName(output_); !status) return fail(status.issue());
     if (!(lambda_ >= 0 && lambda_ <= 32)) return failUsage("--lambda: must be 0 to 32");
+    if (const Status status = checkOpens(input_, Openable::kFileOrFolder); !status) return fail(status.issue());
     const auto picture = [&]() -> Result<Picture> {
       switch (inputKind(input_)) {
         case InputKind::kAsset: return map_.empty() ? assetSlice(*light, *view, globals) : assetMap();
         case InputKind::kBakedOutput: return map_.empty() ? bakedSlice(*light, *view) : bakedMap();
-        case InputKind::kMissing: return Issue{issue_id::kCannotOpen, Severity::kError, input_.string(), "no such file or folder"};
         default: return Issue{issue_id::kBakeManifest, Severity::kError, input_.string(), "is neither a .loden file nor a baked output (no bake.json)"};
       }
     }();

@@ -5,6 +5,7 @@
 
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
+#include "importer/file_read.h"
 #include "material/asset.h"
 #include "material/environment.h"
 #include "material/issues.h"
@@ -127,11 +128,12 @@ class InfoCommand : public Command {
   }
 
   int run(const GlobalOptions& globals) override {
+    if (const Status status = checkOpens(path_, Openable::kFileOrFolder); !status) return fail(status.issue());
     const InputKind kind = inputKind(path_);
     const auto wrong = [&](const char* text) { return fail({issue_id::kMagic, Severity::kError, path_.string(), text}); };
     if (kind == InputKind::kGltf) return wrong("is a scene; `loden validate` looks at it and at its assets");
     if (kind == InputKind::kBakedOutput) return wrong("is a baked output; `loden cook` makes an asset of it");
-    auto bytes = readWholeFile(path_);
+    auto bytes = readFile(path_);
     if (!bytes) return fail(bytes.issue());
     const std::span<const std::byte> view = std::as_bytes(std::span(*bytes));
     const std::vector<Issue> issues = validateAsset(view, path_.string());

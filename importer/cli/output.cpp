@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "importer/cli/interrupt.h"
@@ -135,15 +133,6 @@ Result<glm::ivec2> parseExtent(const std::string& option, const std::string& tex
 Status writeWholeFile(const std::filesystem::path& path, std::string_view bytes) {
   const CommitScope commit;
   return writeFileAtomically(path, std::as_bytes(std::span(bytes)));
-}
-
-Result<std::string> readWholeFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path))
-    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return Issue{issue_id::kCannotRead, Severity::kError, path.string(), "cannot be read to its end"};
-  return bytes;
 }
 
 }  // namespace loden::importer

@@ -46,6 +46,5 @@ Result<std::vector<double>> parseNumbers(const std::string& option, const std::s
 
 // Writes a whole text or binary file under a temporary name, then renames it.
 Status writeWholeFile(const std::filesystem::path& path, std::string_view bytes);
-Result<std::string> readWholeFile(const std::filesystem::path& path);
 
 }  // namespace loden::importer

@@ -3,6 +3,7 @@
 
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
+#include "importer/file_read.h"
 #include "importer/trace.h"
 #include "material/issues.h"
 
@@ -27,7 +28,7 @@ bool readVector(const Json& json, const char* key, glm::dvec3& value) {
 }
 
 Result<Camera> readCamera(const std::filesystem::path& path) {
-  const auto text = readWholeFile(path);
+  const auto text = readFile(path);
   if (!text) return text.issue();
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object()) return cameraIssue(path, "is no JSON object");

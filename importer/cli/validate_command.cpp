@@ -4,6 +4,7 @@
 
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
+#include "importer/file_read.h"
 #include "importer/pack.h"
 #include "material/asset.h"
 #include "material/issues.h"
@@ -22,15 +23,9 @@ class ValidateCommand : public Command {
   }
 
   int run(const GlobalOptions& globals) override {
-    const InputKind kind = inputKind(path_);
-    std::vector<Issue> issues;
-    if (kind == InputKind::kGltf) {
-      issues = validateGltf(path_);
-    } else {
-      const auto bytes = readWholeFile(path_);
-      if (!bytes) return fail(bytes.issue());
-      issues = validateAsset(std::as_bytes(std::span(*bytes)), path_.string());
-    }
+    const auto found = inputKind(path_) == InputKind::kGltf ? validateGltf(path_) : validateAssetFile();
+    if (!found) return fail(found.issue());
+    const std::vector<Issue>& issues = *found;
     const auto count = [&](Severity severity) {
       return std::count_if(issues.begin(), issues.end(), [&](const Issue& issue) { return issue.severity == severity; });
     };
@@ -48,6 +43,12 @@ class ValidateCommand : public Command {
   }
 
  private:
+  Result<std::vector<Issue>> validateAssetFile() const {
+    const auto bytes = readFile(path_);
+    if (!bytes) return bytes.issue();
+    return validateAsset(std::as_bytes(std::span(*bytes)), path_.string());
+  }
+
   std::filesystem::path path_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "importer/fit/eigen.h"
@@ -181,16 +182,19 @@ void solveWeights(const NormalOperator& normal, const MatrixXd& right, int steps
   }
 }
 
-// Weights and basis rotated so that the basis is orthonormal and the components are ordered by energy.
+// Weights and basis rotated so that the basis is orthonormal and the components are ordered by energy. Of a tile with fewer
+// texels than components the last ones are 0.
 Factors rotated(const Matrix& weights, const MatrixXd& basis) {
   Eigen::HouseholderQR<MatrixXd> qd(eigen(weights)), qe(basis);
-  const Index k = basis.cols();
-  const MatrixXd rd = qd.matrixQR().topRows(k).triangularView<Eigen::Upper>();
-  const MatrixXd re = qe.matrixQR().topRows(k).triangularView<Eigen::Upper>();
+  const Index k = basis.cols(), kd = std::min<Index>(weights.rows, k), ke = std::min(basis.rows(), k);
+  const MatrixXd rd = qd.matrixQR().topRows(kd).triangularView<Eigen::Upper>();
+  const MatrixXd re = qe.matrixQR().topRows(ke).triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<MatrixXd> svd(rd * re.transpose(), Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const MatrixXd u = qd.householderQ() * MatrixXd::Identity(weights.rows, k) * svd.matrixU();
-  const MatrixXd v = qe.householderQ() * MatrixXd::Identity(basis.rows(), k) * svd.matrixV();
-  return {matrixFrom(u * svd.singularValues().asDiagonal()), matrixFrom(v)};
+  const Index rank = svd.singularValues().size();
+  MatrixXd u = MatrixXd::Zero(weights.rows, k), v = MatrixXd::Zero(basis.rows(), k);
+  u.leftCols(rank) = qd.householderQ() * MatrixXd::Identity(weights.rows, kd) * svd.matrixU() * svd.singularValues().asDiagonal();
+  v.leftCols(rank) = qe.householderQ() * MatrixXd::Identity(basis.rows(), ke) * svd.matrixV();
+  return {matrixFrom(u), matrixFrom(v)};
 }
 
 Matrix startWeights(const ColumnBlocks& b, const Indirection& a, int components, int threads) {

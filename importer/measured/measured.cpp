@@ -1,5 +1,6 @@
 #include "importer/measured/measured.h"
 
+#include "importer/file_read.h"
 #include "importer/measured/bonn_folder.h"
 #include "importer/measured/btf_file.h"
 #include "material/issues.h"
@@ -8,8 +9,7 @@ namespace loden::importer {
 
 Result<std::unique_ptr<MeasuredSource>> openMeasured(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file or folder"};
+  if (Status status = checkOpens(path, Openable::kFileOrFolder); !status) return status.issue();
   if (!std::filesystem::is_directory(path, error)) return openBtfFile(path);
   if (looksLikeBonnFolder(path)) return openBonnFolder(path);
   return Issue{issue_id::kMeasured, Severity::kError, path.string(),

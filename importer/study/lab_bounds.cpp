@@ -21,7 +21,7 @@
 #include "importer/fit/ratio_fit.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
-#include "importer/study/study.h"
+#include "importer/study/study_tile.h"
 #include "material/color.h"
 #include "material/evaluate.h"
 
@@ -152,16 +152,14 @@ void addComponents(const Bounds& to, const char* lookup, const Indirection& a, i
 }
 
 Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& rows) {
-  const auto baked = studyBake(options, tile);
-  if (!baked) return baked.issue();
-  const auto source = bakedSource(*baked);
-  if (!source) return source.issue();
-  const auto btf = loadYcc(**source, options.threads);
-  if (!btf) return btf.issue();
-  const auto geometry = geometryOf(*baked, 0);
+  const auto data = studyTile(options, tile);
+  if (!data) return data.issue();
+  const BtfSource& source = *data->source;
+  const YccBtf& btf = data->btf;
+  const auto geometry = geometryOf(data->baked, 0);
   if (!geometry) return geometry.issue();
   Material m;
-  m.side = btf->side();
+  m.side = btf.side();
   m.geometry = *geometry;
   m.atlas = chooseAtlas(m.geometry, m.side, options.threads).size;
   const Evaluator evaluator(m, options.threads);
@@ -171,10 +169,10 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
     const auto hit = tracer.traceView(x, wo);
     return hit ? hit->p : x;
   };
-  const DirectionSet &lights = (*source)->lights(), &views = (*source)->views();
-  const PhongMean phong = fitPhong(imageMeans(*btf, options.threads), lights, views, {true, MeanChroma::kRatio}).mean;
+  const DirectionSet &lights = source.lights(), &views = source.views();
+  const PhongMean phong = fitPhong(imageMeans(btf, options.threads), lights, views, {true, MeanChroma::kRatio}).mean;
   const Matrix mean = sampleMean(phong, lights, views);
-  const Bounds to{tile, *btf, mean, phong, options.threads, rows};
+  const Bounds to{tile, btf, mean, phong, options.threads, rows};
   struct Way {
     const char* name;
     const IndirectionLookup& find;
@@ -182,9 +180,9 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
   };
   for (const Way& way : {Way{"quality", traced, false}, Way{"default", by_default, true}}) {
     if (const Status s = addFlatBtf(to, options, way.name, views, way.find); !s) return s;
-    const Indirection a = makeIndirection(btf->side(), btf->side(), views, way.find, options.threads);
+    const Indirection a = makeIndirection(btf.side(), btf.side(), views, way.find, options.threads);
     for (const int k : kComponents)
-      if (k <= btf->texels() && (way.all || k == kTakenApart)) addComponents(to, way.name, a, k);
+      if (k <= btf.texels() && (way.all || k == kTakenApart)) addComponents(to, way.name, a, k);
   }
   struct Split {
     int y, chroma, light;
@@ -195,10 +193,10 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
     plan.chroma_components = s.chroma;
     plan.light_components = s.light;
     plan.coarse_y = 0;
-    const FusedFit fit = fitFused(**source, *btf, *geometry, plan, options.threads, kLabEvery);
+    const FusedFit fit = fitFused(source, btf, *geometry, plan, options.threads, kLabEvery);
     rows.emplace_back();
     const std::string chroma = std::to_string(s.chroma);
-    rows.back().set("tile", tile).set("size", btf->side()).set("what", "light-factor").set("lookup", "default");
+    rows.back().set("tile", tile).set("size", btf.side()).set("what", "light-factor").set("lookup", "default");
     rows.back().set("components", std::to_string(s.y) + "," + chroma + "," + chroma + " x " + std::to_string(s.light));
     rows.back().set("lab_mean", fit.error.lab.mean()).set("lab_black", fit.error.lab.blackMean()).set("lab_lit", fit.error.lab.litMean());
     rows.back().set("rmse_y", fit.error.channel[0].rmse());

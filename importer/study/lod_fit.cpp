@@ -13,7 +13,7 @@
 #include "importer/progress.h"
 #include "importer/study/plot.h"
 #include "importer/study/random_directions.h"
-#include "importer/study/study.h"
+#include "importer/study/study_tile.h"
 #include "importer/tile_tracer.h"
 #include "material/color.h"
 #include "material/environment.h"
@@ -26,13 +26,6 @@ constexpr int kReferenceSteps[] = {1, 2, 4, 8, 12, 16, 24};  // Y components, ne
 constexpr int kFusedSteps[] = {4, 8, 12, 16, 20, 28};        // one joint fit each
 constexpr int kUnsampled = 20000;                            // random (texel, light, view)
 constexpr int kSubsamples = 4;                               // per texel side, of the traced truth
-
-struct TileData {
-  std::string tile;
-  int size = 0;
-  std::unique_ptr<BtfSource> source;
-  YccBtf btf;
-};
 
 // A pair of directions between the samples, and what the traced tile shows over one texel.
 struct Unsampled {
@@ -49,22 +42,23 @@ glm::dvec3 tracedTexel(const TileTracer& tracer, glm::dvec2 centre, int size, co
   return sum / double(kSubsamples * kSubsamples);
 }
 
-Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const TileData& data, double theta_max) {
-  auto tile = loadTile(studyTileName(data.tile));
+Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const StudyTile& data, double theta_max) {
+  auto tile = loadTile(studyTileName(data.name));
   if (!tile) return tile.issue();
+  const int size = data.btf.side();
   const TileTracer tracer(*tile);
   std::vector<Unsampled> samples(kUnsampled);
   std::mt19937_64 random(2026);
   for (Unsampled& s : samples) {
-    const int texel = static_cast<int>(random() % uint64_t(data.size * data.size));
-    s.x = glm::dvec2(texel % data.size + 0.5, texel / data.size + 0.5) / double(data.size);
+    const int texel = static_cast<int>(random() % uint64_t(size * size));
+    s.x = glm::dvec2(texel % size + 0.5, texel / size + 0.5) / double(size);
     s.wi = randomDirection(random, theta_max);
     s.wo = randomDirection(random, theta_max);
   }
   parallelFor(samples.size(), options.threads, [&](size_t i) {
     const FlushDenormals flush;
     Unsampled& s = samples[i];
-    s.truth = yccFromRgb(tracedTexel(tracer, s.x, data.size, s.wi, s.wo));
+    s.truth = yccFromRgb(tracedTexel(tracer, s.x, size, s.wi, s.wo));
   });
   return samples;
 }
@@ -108,7 +102,7 @@ DroppedBytes droppedBytes(const Material& whole, int y) {
 }
 
 struct RowContext {
-  const TileData& data;
+  const StudyTile& data;
   const char* preset;
   const char* storage;
   const char* directions;
@@ -120,7 +114,7 @@ StudyRow errorRow(const RowContext& context, const Material& m, int y, const Dro
   const int chroma = m.bands.empty() ? 0 : 2 * m.bands.front().chroma_quads;
   const std::string counts = std::to_string(y) + "," + std::to_string(chroma) + "," + std::to_string(chroma);
   StudyRow row;
-  row.set("tile", context.data.tile).set("size", context.data.size).set("mode", modeName(m.mode));
+  row.set("tile", context.data.name).set("size", context.data.btf.side()).set("mode", modeName(m.mode));
   row.set("preset", context.preset).set("components", counts).set("y_components", y).set("storage", context.storage);
   row.set("coefficient_bytes", coefficients - dropped.file).set("file_bytes", rawFileBytes(m) - dropped.file);
   row.set("gpu_bytes", residentBytes(m) - dropped.gpu);
@@ -135,7 +129,7 @@ StudyRow errorRow(const RowContext& context, const Material& m, int y, const Dro
 }
 
 // One mode of the reference domain: a fit with the most components, then its leading ones.
-Status addReferenceRows(const StudyOptions& options, const TileData& data, const std::vector<Unsampled>& unsampled,
+Status addReferenceRows(const StudyOptions& options, const StudyTile& data, const std::vector<Unsampled>& unsampled,
                         Preset preset, int usual, StudyRows& rows) {
   CookOptions cook;
   cook.mode = Mode::kLod;
@@ -156,10 +150,9 @@ Status addReferenceRows(const StudyOptions& options, const TileData& data, const
   return {};
 }
 
-Status addFusedRows(const StudyOptions& options, const TileData& data, const BakedOutput& baked,
-                    const std::vector<Unsampled>& unsampled, StudyRows& rows) {
+Status addFusedRows(const StudyOptions& options, const StudyTile& data, const std::vector<Unsampled>& unsampled, StudyRows& rows) {
   const auto add = [&](const FusedPlan& plan, const char* preset, bool between) -> Status {
-    const auto geometry = geometryOf(baked, plan.geometry_side);
+    const auto geometry = geometryOf(data.baked, plan.geometry_side);
     if (!geometry) return geometry.issue();
     const FusedFit fit = fitFused(*data.source, data.btf, *geometry, plan, options.threads);
     rows.push_back(errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, {}, fit.error));
@@ -174,7 +167,7 @@ Status addFusedRows(const StudyOptions& options, const TileData& data, const Bak
     plan.y_components = y;
     if (const Status s = add(plan, "game", usual); !s) return s;
   }
-  return add(smallestPlan(baked.manifest().geometry_size), "smallest", false);
+  return add(smallestPlan(data.baked.manifest().geometry_size), "smallest", false);
 }
 
 // LBTF figure 6 for all modes: the error of Y over components, and over the bytes of the coefficients.
@@ -200,20 +193,15 @@ Result<StudyRows> studyLodFit(const StudyOptions& options) {
   StudyRows rows;
   Progress progress("lod-fit", options.tiles.size() * 3, options.quiet);
   for (const std::string& tile : options.tiles) {
-    const auto baked = studyBake(options, tile);
-    if (!baked) return baked.issue();
-    auto source = bakedSource(*baked);
-    if (!source) return source.issue();
-    auto btf = loadYcc(**source, options.threads);
-    if (!btf) return btf.issue();
-    const TileData data{tile, options.size, std::move(*source), std::move(*btf)};
-    const auto unsampled = unsampledTruth(options, data, 75 * kPi / 180);
+    const auto data = studyTile(options, tile);
+    if (!data) return data.issue();
+    const auto unsampled = unsampledTruth(options, *data, 75 * kPi / 180);
     if (!unsampled) return unsampled.issue();
-    if (const Status s = addReferenceRows(options, data, *unsampled, Preset::kSeed, 8, rows); !s) return s.issue();
+    if (const Status s = addReferenceRows(options, *data, *unsampled, Preset::kSeed, 8, rows); !s) return s.issue();
     progress.advance();
-    if (const Status s = addReferenceRows(options, data, *unsampled, Preset::kGame, 16, rows); !s) return s.issue();
+    if (const Status s = addReferenceRows(options, *data, *unsampled, Preset::kGame, 16, rows); !s) return s.issue();
     progress.advance();
-    if (const Status s = addFusedRows(options, data, *baked, *unsampled, rows); !s) return s.issue();
+    if (const Status s = addFusedRows(options, *data, *unsampled, rows); !s) return s.issue();
     progress.advance();
   }
   if (!options.pictures.empty())

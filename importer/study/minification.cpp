@@ -9,7 +9,7 @@
 #include "importer/progress.h"
 #include "importer/random.h"
 #include "importer/study/plot.h"
-#include "importer/study/study.h"
+#include "importer/study/study_tile.h"
 #include "material/color.h"
 #include "material/evaluate.h"
 #include "material/leading_part.h"
@@ -55,22 +55,21 @@ struct Candidate {
   bool point = false;  // always lambda 0
 };
 
-Result<std::vector<Candidate>> candidates(const StudyOptions& options, const BakedOutput& baked, const BtfSource& source,
-                                          const YccBtf& btf) {
+Result<std::vector<Candidate>> candidates(const StudyOptions& options, const StudyTile& tile) {
   std::vector<Candidate> all;
   CookOptions cook;
   cook.mode = Mode::kLod;
   cook.threads = options.threads;
   for (const Preset preset : {Preset::kSeed, Preset::kGame}) {
     cook.preset = preset;
-    auto m = fitLod(source, btf, cook);
+    auto m = fitLod(*tile.source, tile.btf, cook);
     if (!m) return m.issue();
     all.push_back({preset == Preset::kSeed ? "lod-seed" : "lod", std::move(*m)});
   }
   const FusedPlan plan;
-  const auto geometry = geometryOf(baked, plan.geometry_side);
+  const auto geometry = geometryOf(tile.baked, plan.geometry_side);
   if (!geometry) return geometry.issue();
-  all.push_back({"fused", fitFused(source, btf, *geometry, plan, options.threads).material});
+  all.push_back({"fused", fitFused(*tile.source, tile.btf, *geometry, plan, options.threads).material});
   const Material fused = all.back().material;
   all.push_back({"fused-point", fused, true});
   // What streaming shows first: the coarse band's leading part, and before that the mean.
@@ -87,19 +86,15 @@ Result<StudyRows> studyMinification(const StudyOptions& options) {
   StudyRows rows;
   Progress progress("minification", options.tiles.size(), options.quiet);
   for (const std::string& tile : options.tiles) {
-    const auto baked = studyBake(options, tile);
-    if (!baked) return baked.issue();
-    const auto source = bakedSource(*baked);
-    if (!source) return source.issue();
-    auto btf = loadYcc(**source, options.threads);
-    if (!btf) return btf.issue();
-    const auto all = candidates(options, *baked, **source, *btf);
+    auto data = studyTile(options, tile);
+    if (!data) return data.issue();
+    const auto all = candidates(options, *data);
     if (!all) return all.issue();
-    YccBtf truth = std::move(*btf);
+    YccBtf truth = std::move(data->btf);
     for (int level = 0;; ++level) {
       for (const Candidate& c : *all) {
         const Evaluator evaluator(c.material, options.threads);
-        const double rmse = levelError(evaluator, **source, truth, level, c.point ? 0 : level, options.threads);
+        const double rmse = levelError(evaluator, *data->source, truth, level, c.point ? 0 : level, options.threads);
         StudyRow row;
         row.set("tile", tile).set("mode", c.mode).set("lambda", level).set("rmse_y", rmse);
         row.set("psnr_db", -20 * std::log10(std::max(rmse, 1e-12)));

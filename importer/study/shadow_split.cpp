@@ -8,7 +8,7 @@
 #include "importer/fit/fused_plan.h"
 #include "importer/fit/modes.h"
 #include "importer/progress.h"
-#include "importer/study/study.h"
+#include "importer/study/study_tile.h"
 #include "material/evaluate.h"
 
 namespace loden::importer {
@@ -33,13 +33,9 @@ Result<StudyRows> studyShadowSplit(const StudyOptions& options) {
   StudyRows rows;
   Progress progress("shadow-split", options.tiles.size() * std::size(kSplits), options.quiet);
   for (const std::string& tile : options.tiles) {
-    const auto baked = studyBake(options, tile);
-    if (!baked) return baked.issue();
-    const auto source = bakedSource(*baked);
-    if (!source) return source.issue();
-    const auto btf = loadYcc(**source, options.threads);
-    if (!btf) return btf.issue();
-    const auto geometry = geometryOf(*baked, 0);
+    const auto data = studyTile(options, tile);
+    if (!data) return data.issue();
+    const auto geometry = geometryOf(data->baked, 0);
     if (!geometry) return geometry.issue();
     for (const Split& split : kSplits) {
       FusedPlan plan;
@@ -47,7 +43,7 @@ Result<StudyRows> studyShadowSplit(const StudyOptions& options) {
       plan.chroma_components = split.chroma;
       plan.light_components = split.light;
       plan.coarse_y = 0;
-      const FusedFit fit = fitFused(**source, *btf, *geometry, plan, options.threads, kLabEvery);
+      const FusedFit fit = fitFused(*data->source, data->btf, *geometry, plan, options.threads, kLabEvery);
       StudyRow row;
       row.set("tile", tile).set("kind", split.light > 0 ? "split" : "joint").set("components", componentsText(split));
       row.set("coefficient_bytes", uint64_t{fit.material.bands.front().bytes()});

@@ -40,10 +40,13 @@ run(${WORK}/prefix/bin/loden cook ${WORK}/sponge -o ${WORK}/sponge.loden --mode 
 run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/consumer ${WORK}/sponge.loden)
-if(NOT output MATCHES "^-?[0-9.e-]+ -?[0-9.e-]+ -?[0-9.e-]+\n$")
-  message(FATAL_ERROR "expected one linear RGB value, got: ${output}")
-endif()
+foreach(program consumer engine)
+  run(${WORK}/build/${program} ${WORK}/sponge.loden)
+  if(NOT output MATCHES "^-?[0-9.e-]+ -?[0-9.e-]+ -?[0-9.e-]+\n$")
+    message(FATAL_ERROR "${program}: expected one linear RGB value, got: ${output}")
+  endif()
+  message(STATUS "${program} says ${output}")
+endforeach()
 
 # README.md shows this very program.
 file(READ ${CONSUMER}/main.cpp program)
@@ -52,4 +55,3 @@ string(FIND "${readme}" "${program}" place)
 if(place EQUAL -1)
   message(FATAL_ERROR "README.md does not show ${CONSUMER}/main.cpp as it is")
 endif()
-message(STATUS "consumer says ${output}")

@@ -1,5 +1,6 @@
 // What every verb promises: exit codes, streams, JSON, and no half-written output.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <future>
 #include <nlohmann/json.hpp>
@@ -51,6 +52,51 @@ TEST(Cli, MissingInput_IsIoErrorThatNamesTheFile) {
     EXPECT_TRUE(run.out.empty()) << arguments[0];
   }
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(Cli, InputThatCannotBeRead_IsIoError) {
+  const ScratchFolder scratch;
+  const std::string picture = scratch / "picture.png";
+  ASSERT_EQ(loden({"extract", sharedAsset(), "-o", picture}).exit_code, 0);
+  const auto runs = [&](const std::string& stem) {
+    return std::vector<std::vector<std::string>>{
+        {"bake", stem + ".gltf", "-o", scratch / "out"},
+        {"bake", stem + ".obj", "-o", scratch / "out"},
+        {"info", stem + ".loden"},
+        {"info", stem + ".gltf"},
+        {"validate", stem + ".loden"},
+        {"validate", stem + ".gltf"},
+        {"pack", stem + ".glb", "--material", "m", "--asset", sharedAsset(), "-o", scratch / "out.glb"},
+        {"trace", "builtin:pulli", "-o", scratch / "out.exr", "--camera", stem + ".json"},
+        {"trace", "builtin:pulli", "-o", scratch / "out.exr", "--environment", stem + ".exr"},
+        {"study", "view-coherence", "--tile", stem + ".obj", "--bakes", scratch / "bakes"},
+    };
+  };
+  const auto fails = [](const std::vector<std::string>& arguments) {
+    const ToolRun run = loden(arguments);
+    EXPECT_EQ(run.exit_code, 2) << ::testing::PrintToString(arguments) << ": " << run.err;
+    EXPECT_TRUE(run.out.empty()) << run.out;
+  };
+  for (const auto& arguments : runs(scratch / "missing")) fails(arguments);
+  for (const char* extension : {"gltf", "glb", "obj", "loden", "json", "exr"})
+    std::filesystem::create_directory(scratch / (std::string("folder.") + extension));
+  for (const auto& arguments : runs(scratch / "folder")) fails(arguments);
+
+  if (::geteuid() == 0) return;  // who may read everything
+  for (const char* extension : {"gltf", "glb", "obj", "loden", "json", "exr", "png"}) {
+    const std::string locked = scratch / (std::string("locked.") + extension);
+    writeText(locked, "");
+    std::filesystem::permissions(locked, std::filesystem::perms::none);
+  }
+  std::filesystem::create_directory(scratch / "locked");
+  std::filesystem::permissions(scratch / "locked", std::filesystem::perms::none);
+  for (const auto& arguments : runs(scratch / "locked")) fails(arguments);
+  fails({"compare", picture, scratch / "locked.png"});
+  fails({"compare", sharedAsset(), scratch / "locked.loden"});
+  for (const char* name : {"locked", "locked.loden"}) {
+    fails({"cook", scratch / name, "-o", scratch / "out.loden"});
+    fails({"extract", scratch / name, "-o", scratch / "out.exr"});
+  }
 }
 
 TEST(Cli, BadValues_AreUsage) {

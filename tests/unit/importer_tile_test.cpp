@@ -250,6 +250,35 @@ TEST(TileGltf, ReadsTransformedGeometryAndMaterial) {
   EXPECT_NEAR(tile->normals[0].z, 1, 1e-12);
 }
 
+TEST(TileGltf, NodesOfAnyScaleKeepAuthoredNormals) {
+  const TemporaryFolder folder;
+  constexpr float kNormals[] = {0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0};  // y is up
+  auto json = gltfTile();
+  json["buffers"].push_back({{"byteLength", sizeof kNormals},
+                             {"uri", "data:application/octet-stream;base64," + base64({reinterpret_cast<const char*>(kNormals), sizeof kNormals})}});
+  json["bufferViews"].push_back({{"buffer", 1}, {"byteLength", sizeof kNormals}});
+  json["accessors"].push_back({{"bufferView", 3}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}});
+  json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 3;
+  for (const double scale : {1e-4, 1.0, 25.0, 1e4}) {
+    json["nodes"][0]["scale"] = {scale, scale, scale};
+    const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
+    ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
+    for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, {0.6, 0, 0.8}), 1e-7) << scale;
+  }
+  json["nodes"][0]["scale"] = {2, 0, 2};  // flattened: what has an upright part stands upright
+  const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
+  for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, {0, 0, 1}), 1e-7);
+}
+
+TEST(TileObj, NormalsMayHaveAnyLength) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn .006 0 .008\nf 1/1/1 2/2/1 3/3/1 4/4/1\n");
+  const auto tile = loadTile(path.string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, {0.6, 0, 0.8}), 1e-12);
+}
+
 TEST(TileGltf, MirroredNodesKeepTheirFront) {
   const TemporaryFolder folder;
   for (const auto& scale : {std::array{-1, 1, 1}, std::array{1, 1, -1}, std::array{-1, 1, -1}}) {

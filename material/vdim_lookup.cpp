@@ -87,7 +87,7 @@ StraightRay<T> tangentRay(const ViewRay<T>& ray, T h) {
   return straightAt(ray, h, ray.onItsWayOut(h) ? std::min(descent, T(-kLeastDescent)) : std::max(descent, T(kLeastDescent)));
 }
 
-// The anchors along a ray: points, evenly spaced from x on, for which the atlas is read.
+// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is read. Elsewhere x alone.
 template <class T>
 struct RayPath {
   T end;  // h where the ray is below the tile, or above it again
@@ -97,11 +97,11 @@ template <class T>
 RayPath<T> rayPath(const ViewRay<T>& ray, T range) {
   if (!ray.bent) return {-range, 1};
   const T end = T(2) * ray.bend * range < T(1) ? ray.height(-range) : T(-2) / ray.bend;
-  return {end, std::abs(ray.bend * end) < T(kStraight) ? 1 : kAnchors};
+  return {end, ray.bend * end > T(-kStraight) ? 1 : kAnchors};
 }
 
 // What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from each the tangent, but
-// no more grazing than the atlas's views. Over a convex surface that is below the ray, and what it meets not behind what the ray meets.
+// no more grazing than the atlas's views. That is below the ray, and what it meets not behind what the ray meets.
 template <class T>
 StraightRay<T> seedRay(const ViewRay<T>& ray, const RayPath<T>& path, T range, int anchor) {
   if (path.anchors == 1) {
@@ -206,14 +206,13 @@ Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>&
   if (patch.chart == 0) return Meeting::kNear;
   if (ray.bent) {
     // On to the point of the ray that is nearest along it, and how far that is off across it.
-    const T descent = ray.descent(h);
-    const V2 drift = ray.drift(h), point = q + line.x + line.slope * (z - line.z) - ray.x;
+    using V3 = glm::vec<3, T>;
+    const V2 point = q + line.x + line.slope * (z - line.z) - ray.x;
+    const V3 along(ray.drift(h), ray.descent(h)), on(point - ray.offset(h), z - ray.z(h));
     if (ray.onItsWayOut(h)) det = -det;
-    const T on = (glm::dot(point - ray.offset(h), drift) + (z - ray.z(h)) * descent) / (glm::dot(drift, drift) + descent * descent);
-    h = std::min(h + on, T(0));
-    const V2 beside = point - ray.offset(h);
-    const T above = z - ray.z(h);
-    residual = std::sqrt(glm::dot(beside, beside) + above * above) * side * T(kResidual / kBentResidual);
+    h = std::min(h + glm::dot(on, along) / glm::dot(along, along), T(0));
+    const V3 beside(point - ray.offset(h), z - ray.z(h));
+    residual = std::sqrt(glm::dot(beside, beside)) * side * T(kResidual / kBentResidual);
   } else {
     h = z;
   }

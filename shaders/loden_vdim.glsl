@@ -85,7 +85,7 @@ LodenStraightRay loden_tangent_ray(LodenViewRay ray, float h) {
   return loden_straight_at(ray, h, loden_on_its_way_out(ray, h) ? min(descent, -LODEN_LEAST_DESCENT) : max(descent, LODEN_LEAST_DESCENT));
 }
 
-// The anchors along a ray: points, evenly spaced from x on, for which the atlas is read.
+// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is read. Elsewhere x alone.
 struct LodenRayPath {
   float end;  // h where the ray is below the tile, or above it again
   int anchors;
@@ -93,12 +93,11 @@ struct LodenRayPath {
 LodenRayPath loden_ray_path(LodenViewRay ray, float range) {
   if (!ray.bent) return LodenRayPath(-range, 1);
   float end = 2.0 * ray.bend * range < 1.0 ? loden_ray_height(ray, -range) : -2.0 / ray.bend;
-  return LodenRayPath(end, abs(ray.bend * end) < LODEN_STRAIGHT ? 1 : LODEN_ANCHORS);
+  return LodenRayPath(end, ray.bend * end > -LODEN_STRAIGHT ? 1 : LODEN_ANCHORS);
 }
 
 // What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from each the tangent,
-// but no more grazing than the atlas's views. Over a convex surface that is below the ray, and what it meets not behind
-// what the ray meets.
+// but no more grazing than the atlas's views. That is below the ray, and what it meets not behind what the ray meets.
 LodenStraightRay loden_seed_ray(LodenViewRay ray, LodenRayPath path, float range, int anchor) {
   if (path.anchors == 1) {
     float z = max(-0.5 * range, -0.45 / max(ray.bend, 1e-6));
@@ -228,8 +227,8 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
     float descent = loden_ray_descent(ray, h);
     vec2 drift = loden_ray_drift(ray, h), point = q + line.x + line.slope * (z - line.z) - ray.x;
     det = loden_on_its_way_out(ray, h) ? -det : det;
-    float on = (dot(point - loden_ray_offset(ray, h), drift) + (z - loden_ray_z(ray, h)) * descent) / (dot(drift, drift) + descent * descent);
-    h = patch_.exists ? min(h + on, 0.0) : h;
+    vec3 along = vec3(drift, descent), on = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
+    h = patch_.exists ? min(h + dot(on, along) / dot(along, along), 0.0) : h;
     vec3 beside = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
     residual = sqrt(dot(beside, beside)) * side * (LODEN_RESIDUAL / LODEN_BENT_RESIDUAL);
   } else {

@@ -387,8 +387,7 @@ TEST_F(WaveCylinder, LookupTellsRaysThatGoByFromRaysThatMeetTheTile) {
     }
 }
 
-// The same numbers, whatever copy of the tile is looked at: seeds are read where the straight rays that stand for the bent one would come in, far
-// from x.
+// Seeds are read where the straight rays that stand for the bent one would come in, far from x.
 TEST_F(WaveCylinder, LookupRepeatsWithTheTile) {
   for (const View& view : randomViews(500, 85)) {
     const glm::dvec2 x = glm::round(view.x * 1024.0) / 1024.0;  // so that sums are exact

@@ -94,8 +94,8 @@ struct LocalSurface {
 };
 
 enum class VdimTier : uint32_t {
-  kFast,     // depths of the nearest direction, 5 candidates
-  kDefault,  // of the 3 nearest directions, 16 candidates
+  kFast,     // depths of the nearest direction, 5 candidates; so at each of several points of a ray that bends much
+  kDefault,  // of the 3 nearest directions, 16 candidates; likewise
 };
 
 // How a search went. `fetches` counts texture instructions exactly as the shader issues them.

@@ -1,15 +1,19 @@
 // View-dependent indirection: p = VDIM(x, wo). Mirrors material/vdim_lookup.cpp name for name.
 // Default: 3 gathers for 12 depths, then per candidate 1 fetch (none on identity parameterizations) and a gather per
-// patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates.
+// patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates. A ray that bends much does so for several anchors.
 
 const float LODEN_REACH = 3.0;               // texels
 const float LODEN_INSIDE = 0.2;              // texels
 const float LODEN_RESIDUAL = 0.2;            // texels
+const float LODEN_BENT_RESIDUAL = 0.1;       // texels
 const int LODEN_PATCHES = 5;
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
-const int LODEN_WAYS_OUT = 3;                // searches along a ray that leaves again
 const float LODEN_NONE = -1e8;               // below every depth
+const int LODEN_ANCHORS = 6;                 // along a bent ray
+const float LODEN_STRAIGHT = 0.2;            // change of the descent that needs no more than one
+const float LODEN_LEAST_DESCENT = 0.02;
+const float LODEN_SHALLOW = 0.5;             // of the depth range
 
 #ifdef LODEN_LOOKUP_FAST
 const int LODEN_LAYERS = 1, LODEN_CANDIDATES = 5;
@@ -28,13 +32,13 @@ struct LodenVdimHit {
 
 // A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent. Where
 // the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h slope from x along
-// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at z = -1 / (2 bend) and leaves again.
+// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at h = -1 / bend and leaves again.
 struct LodenViewRay {
-  vec2 x;       // in [0, 1)^2
-  vec2 slope;   // wo.xy / wo.z, tile periods per tile length
-  vec2 turn;    // K slope, likewise
-  float bend;   // slope^T K slope
-  float branch;  // 1 on the way in, -1 on the way out
+  vec2 x;      // in [0, 1)^2
+  vec2 slope;  // wo.xy / wo.z, tile periods per tile length
+  vec2 turn;   // K slope, likewise
+  float bend;  // slope^T K slope
+  bool bent;   // false: h is z. Constant in programs for planes, which leave out all that follows it
 };
 
 LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
@@ -43,25 +47,74 @@ LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
   float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
   vec2 slope = wo.xy * (scale / cosine);
   vec2 turn = m.curvature * slope;
-  return LodenViewRay(x - floor(x), m.x_from_tangent * slope, m.x_from_tangent * turn, dot(slope, turn), 1.0);
+  return LodenViewRay(x - floor(x), m.x_from_tangent * slope, m.x_from_tangent * turn, dot(slope, turn),
+                      m.curvature != mat2(0.0));
 }
 
-// h where the ray is at height z; of its turning point if it never gets there.
-float loden_ray_height(LodenViewRay ray, float z) {
-  float root = sqrt(max(1.0 + 2.0 * ray.bend * z, 0.0));
-  return ray.branch > 0.0 ? 2.0 * z / (1.0 + root) : -(1.0 + root) / ray.bend;
-}
+float loden_ray_z(LodenViewRay ray, float h) { return h + 0.5 * ray.bend * h * h; }
+
+// h on the way down to z; of the turning point if the ray never gets there.
+float loden_ray_height(LodenViewRay ray, float z) { return 2.0 * z / (1.0 + sqrt(max(1.0 + 2.0 * ray.bend * z, 0.0))); }
 
 // From x to there.
-vec2 loden_ray_offset(LodenViewRay ray, float z) { return (ray.slope - z * ray.turn) * loden_ray_height(ray, z); }
+vec2 loden_ray_offset(LodenViewRay ray, float h) { return (ray.slope - loden_ray_z(ray, h) * ray.turn) * h; }
 
-// The direction whose straight ray is nearest to this one: its chord down to half the depth range.
-vec3 loden_chord(LodenViewRay ray) {
-  float z = -0.5 * loden_material.geometry.z;
-  z = max(z, -0.45 / max(ray.bend, 1e-6));
-  vec2 slope = z < 0.0 ? loden_ray_offset(ray, z) / z : ray.slope;
-  return vec3(slope, 1.0) / sqrt(1.0 + dot(slope, slope));
+// Growth with h: of z, and of the offset.
+float loden_ray_descent(LodenViewRay ray, float h) { return 1.0 + ray.bend * h; }
+vec2 loden_ray_drift(LodenViewRay ray, float h) {
+  return ray.slope - (loden_ray_z(ray, h) + loden_ray_descent(ray, h) * h) * ray.turn;
 }
+
+bool loden_on_its_way_out(LodenViewRay ray, float h) { return loden_ray_descent(ray, h) < 0.0; }
+
+// A straight ray that stands for a bent one: at height z it is at x, and level with the bent one's point at h.
+struct LodenStraightRay {
+  vec2 x, slope;
+  float z, h, h_per_z;
+};
+
+// Through the ray's point at h and in its direction, but for how fast it goes down.
+LodenStraightRay loden_straight_at(LodenViewRay ray, float h, float descent) {
+  return LodenStraightRay(ray.x + loden_ray_offset(ray, h), loden_ray_drift(ray, h) / descent, loden_ray_z(ray, h), h, 1.0 / descent);
+}
+
+// The tangent, or nearly so where the ray turns.
+LodenStraightRay loden_tangent_ray(LodenViewRay ray, float h) {
+  if (!ray.bent) return LodenStraightRay(ray.x, ray.slope, 0.0, 0.0, 1.0);
+  float descent = loden_ray_descent(ray, h);
+  return loden_straight_at(ray, h, loden_on_its_way_out(ray, h) ? min(descent, -LODEN_LEAST_DESCENT) : max(descent, LODEN_LEAST_DESCENT));
+}
+
+// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is read. Elsewhere x alone.
+struct LodenRayPath {
+  float end;  // h where the ray is below the tile, or above it again
+  int anchors;
+};
+LodenRayPath loden_ray_path(LodenViewRay ray, float range) {
+  if (!ray.bent) return LodenRayPath(-range, 1);
+  float end = 2.0 * ray.bend * range < 1.0 ? loden_ray_height(ray, -range) : -2.0 / ray.bend;
+  return LodenRayPath(end, ray.bend * end > -LODEN_STRAIGHT ? 1 : LODEN_ANCHORS);
+}
+
+// What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from each the tangent,
+// but no more grazing than the atlas's views. That is below the ray, and what it meets not behind what the ray meets.
+LodenStraightRay loden_seed_ray(LodenViewRay ray, LodenRayPath path, float range, int anchor) {
+  if (path.anchors == 1) {
+    float z = max(-0.5 * range, -0.45 / max(ray.bend, 1e-6));
+    return LodenStraightRay(ray.x, z < 0.0 ? loden_ray_offset(ray, loden_ray_height(ray, z)) / z : ray.slope, 0.0, 0.0, 1.0);
+  }
+  float h = path.end * (float(anchor) / float(LODEN_ANCHORS));
+  vec2 drift = loden_ray_drift(ray, h);
+  return loden_straight_at(ray, h, max(loden_ray_descent(ray, h), sqrt(dot(drift, drift)) * (LODEN_VDIM_COS / LODEN_VDIM_SIN)));
+}
+
+// h of the ray where its straight ray is at the depth z.
+float loden_seed_height(LodenViewRay ray, LodenRayPath path, LodenStraightRay line, float z) {
+  if (!ray.bent) return z;
+  return path.anchors == 1 ? loden_ray_height(ray, z) : clamp(line.h + line.h_per_z * (z - line.z), path.end, 0.0);
+}
+
+vec3 loden_view_along(vec2 slope) { return vec3(slope, 1.0) / sqrt(1.0 + dot(slope, slope)); }
 
 // The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
 // across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
@@ -135,7 +188,7 @@ LodenPatch loden_fetch_patch(vec2 base) {
   return patch_;
 }
 
-vec2 loden_shear(vec3 p, vec2 shift, LodenViewRay ray) { return p.xy + shift - loden_ray_offset(ray, p.z) - ray.x; }
+vec2 loden_shear(vec3 p, vec2 shift, LodenStraightRay line) { return p.xy + shift - line.slope * (p.z - line.z) - line.x; }
 
 // One step of Newton's method on Q(a, b) = q00 + q10 a + q01 b + q11 a b = 0, kept within the bounds. Returns
 // det Q', which has the sign of N.wo.
@@ -152,47 +205,61 @@ float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2
 const int LODEN_AWAY = 0, LODEN_NEAR = 1, LODEN_HERE = 2;
 
 // Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is wanted.
-// A ray that turned to the back of the surface is away from what the viewer sees. miss: by how many texels the ray fails
-// to meet a patch that faces it.
-int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, out float z, out float miss) {
-  vec2 q00 = loden_shear(patch_.p00, shift, ray);
-  vec2 q10 = loden_shear(patch_.p10, shift, ray) - q00;
-  vec2 q01 = loden_shear(patch_.p01, shift, ray) - q00;
-  vec2 q11 = loden_shear(patch_.p11, shift, ray) - q00 - q10 - q01;
+// A ray that turned to the back of the surface is away from what the viewer sees. h: where the search is on the ray, before
+// and after; miss: by how many texels the ray fails to meet a patch that faces it.
+int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, inout float h, out float miss) {
+  LodenStraightRay line = loden_tangent_ray(ray, h);
+  vec2 q00 = loden_shear(patch_.p00, shift, line);
+  vec2 q10 = loden_shear(patch_.p10, shift, line) - q00;
+  vec2 q01 = loden_shear(patch_.p01, shift, line) - q00;
+  vec2 q11 = loden_shear(patch_.p11, shift, line) - q00 - q10 - q01;
   vec2 lower = ab - LODEN_REACH, upper = ab + LODEN_REACH;
   loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
   loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
   loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
   float det = loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
-  z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
+  float z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
   vec2 centred = abs(ab - 0.5);
-  vec2 residual = abs(q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y));
-  bool faces = patch_.exists && det * ray.branch > 0.0;
-  miss = faces ? max(max(centred.x, centred.y) - 0.5, max(residual.x, residual.y) * side) : 1e9;
-  bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && max(residual.x, residual.y) * side <= LODEN_RESIDUAL &&
-              1.0 + 2.0 * ray.bend * z > 0.0;
+  vec2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
+  float residual = max(abs(q.x), abs(q.y)) * side;
+  if (ray.bent) {
+    // On to the point of the ray that is nearest along it, and how far that is off across it.
+    float descent = loden_ray_descent(ray, h);
+    vec2 drift = loden_ray_drift(ray, h), point = q + line.x + line.slope * (z - line.z) - ray.x;
+    det = loden_on_its_way_out(ray, h) ? -det : det;
+    vec3 along = vec3(drift, descent), on = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
+    h = patch_.exists ? min(h + dot(on, along) / dot(along, along), 0.0) : h;
+    vec3 beside = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
+    residual = sqrt(dot(beside, beside)) * side * (LODEN_RESIDUAL / LODEN_BENT_RESIDUAL);
+  } else {
+    h = z;
+  }
+  bool faces = patch_.exists && det > 0.0;
+  miss = faces ? max(max(centred.x, centred.y) - 0.5, residual) : 1e9;
+  bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && residual <= LODEN_RESIDUAL;
   if (!patch_.exists) return LODEN_NEAR;
   return faces ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
 }
 
-// Newton's search from p, the parameter near the point of the ray at height z; gives up on the first patch that
-// the ray meets from behind, unless patient. found = (p, z, 1) where it converges, or else (p, z, -miss) of the smallest
-// miss so far. What leaves the loop is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's values of
-// anything else, also to invocations that left before.
-void loden_search_from(LodenViewRay ray, float z, vec2 p, bool patient, inout vec4 found) {
+// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the ray meets
+// from behind, unless patient. found = (p, h, 1) where it converges, or else (p, h, -miss) of the smallest miss so far.
+// What leaves the loop is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's
+// values of anything else, also to invocations that left before.
+void loden_search_from(LodenViewRay ray, float h, vec2 p, bool patient, inout vec4 found) {
   float n = loden_material.geometry.w;
-  vec2 point = ray.x + loden_ray_offset(ray, z);
+  vec2 point = ray.x + loden_ray_offset(ray, h);
   int left = LODEN_PATCHES;
   do {
     vec2 texel = p * n - 0.5, base = floor(texel);
     vec2 ab = texel - base;
     LodenPatch patch_ = loden_fetch_patch(base);
+    if (ray.bent) point = ray.x + loden_ray_offset(ray, h);
     vec2 shift = floor(point - patch_.p00.xy + 0.5);
-    float hit_z, miss;
-    int meeting = loden_meet_patch(patch_, shift, ray, n, ab, hit_z, miss);
+    float miss;
+    int meeting = loden_meet_patch(patch_, shift, ray, n, ab, h, miss);
     p = (base + ab + 0.5) / n;
     bool here = meeting == LODEN_HERE;
-    found = here || miss < -found.w ? vec4(p + shift, hit_z, here ? 1.0 : -miss) : found;
+    found = here || miss < -found.w ? vec4(p + shift, h, here ? 1.0 : -miss) : found;
     left = here || (meeting == LODEN_AWAY && !patient) ? 0 : left - 1;
   } while (left > 0);
 }
@@ -202,12 +269,12 @@ float loden_highest_below(vec4 depths, float below) {
   return max(max(usable.x, usable.y), max(usable.z, usable.w));
 }
 
-// The depths that a lookup has gathered.
+// The depths that a lookup has gathered, as h of the ray.
 struct LodenDepths {
   vec4 layer[LODEN_LAYERS];
 };
 
-// Highest depth below a height; below LODEN_NONE if there is none.
+// Highest of them below one; below LODEN_NONE if there is none.
 float loden_highest_below(LodenDepths depths, float below) {
   float z = loden_highest_below(depths.layer[0], below);
 #ifndef LODEN_LOOKUP_FAST
@@ -229,49 +296,65 @@ float loden_cluster_mean(LodenDepths depths, float low, vec2 f, vec3 layer_weigh
   return sum / max(weight, 1e-9);
 }
 
+vec4 loden_gather_seeds(LodenViewRay ray, LodenRayPath path, LodenStraightRay line, vec2 entry, int layer) {
+  vec4 z = loden_gather_depths(layer, entry);
+  return vec4(loden_seed_height(ray, path, line, z.x), loden_seed_height(ray, path, line, z.y),
+              loden_seed_height(ray, path, line, z.z), loden_seed_height(ray, path, line, z.w));
+}
+
 LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   LodenViewRay ray = loden_view_ray(m, x, wo);
-  LodenNearestLayers layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(loden_chord(ray)));
-  LodenDepths depths;
-  depths.layer[0] = loden_gather_depths(layers.index.x, ray.x);
-#ifndef LODEN_LOOKUP_FAST
-  depths.layer[1] = loden_gather_depths(layers.index.y, ray.x);
-  depths.layer[2] = loden_gather_depths(layers.index.z, ray.x);
-#endif
-  // First the blended depth of the topmost surface; then single depths from the one nearest to the viewer down;
-  // then these once more with patience; then along the way out. The first search that converges wins.
   float range = loden_material.geometry.z;
-  float top = loden_highest_below(depths, 1.0);
-  vec2 f = fract(ray.x * float(loden_material.flags.z) - 0.5);
-  float z = loden_cluster_mean(depths, top - LODEN_CLUSTER * range, f, layers.weight);
-  // Where no patch faces the ray the blended depth is near.
-  vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, z), z);
-  vec4 found = vec4(p, z, -1e9);
-  float below = 1.0, turning = -0.5 / max(ray.bend, 1e-6);
-  bool patient = false;
-  int ways_out = turning > -range ? LODEN_WAYS_OUT : 0;
-  int left = LODEN_CANDIDATES + ways_out;
+  LodenRayPath path = loden_ray_path(ray, range);
+  vec4 found = vec4(0.0, 0.0, 0.0, -1e9);
+  // Anchor by anchor along the ray; the first search that converges wins.
+  int anchor = 0;
   do {
-    loden_search_from(ray, z, p, patient, found);
-    float next = loden_highest_below(depths, below);
-    bool exhausted = next < LODEN_NONE, leaves = exhausted && patient && ways_out > 0;
-    left = found.w > 0.0 || (exhausted && patient && !leaves) ? 0 : left - 1;
-    patient = patient || exhausted;
-    z = leaves ? turning * float(ways_out) / float(LODEN_WAYS_OUT) : exhausted ? top : next;
-    ways_out -= leaves ? 1 : 0;
-    ray.branch = leaves && left > 0 ? -1.0 : ray.branch;
-    below = z - LODEN_SEPARATION * range;
-    if (left > 0) p = loden_parameter_near(ray.x + loden_ray_offset(ray, z), z);
-  } while (left > 0);
+    LodenStraightRay line = loden_seed_ray(ray, path, range, anchor);
+    LodenNearestLayers layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(loden_view_along(line.slope)));
+    vec2 entry = line.x - line.slope * line.z;  // where it meets the plane
+    if (ray.bent) entry -= floor(entry);
+    LodenDepths depths;
+    depths.layer[0] = loden_gather_seeds(ray, path, line, entry, layers.index.x);
+#ifndef LODEN_LOOKUP_FAST
+    depths.layer[1] = loden_gather_seeds(ray, path, line, entry, layers.index.y);
+    depths.layer[2] = loden_gather_seeds(ray, path, line, entry, layers.index.z);
+#endif
+    // First the blended depth of the topmost surface, at the first anchor; then single depths from the one nearest to the
+    // viewer down; then, where there is no other anchor, these once more with patience.
+    float top = loden_highest_below(depths, 1.0);
+    float depth = range * line.h_per_z;
+    float h = top, below = top - LODEN_SEPARATION * depth;
+    if (anchor == 0) {
+      vec2 f = fract(entry * float(loden_material.flags.z) - 0.5);
+      h = loden_cluster_mean(depths, top - LODEN_CLUSTER * depth, f, layers.weight);
+      below = 1.0;
+    }
+    vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
+    // Where no patch faces the ray the blended depth is near.
+    found = anchor == 0 ? vec4(p, h, -1e9) : found;
+    bool patient = false;
+    int left = LODEN_CANDIDATES;
+    do {
+      loden_search_from(ray, h, p, patient, found);
+      float next = loden_highest_below(depths, below);
+      bool exhausted = next < LODEN_NONE;
+      left = found.w > 0.0 || (exhausted && (patient || path.anchors > 1)) ? 0 : left - 1;
+      patient = patient || exhausted;
+      h = exhausted ? top : next;
+      below = h - LODEN_SEPARATION * depth;
+      if (left > 0) p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
+    } while (left > 0);
+    ++anchor;
+  } while (ray.bent && found.w <= 0.0 && anchor < path.anchors);
   LodenVdimHit hit;
   hit.converged = found.w > 0.0;
-  hit.missed = !hit.converged && ray.branch < 0.0 && top < turning;
-  ray.branch = hit.converged ? ray.branch : 1.0;
+  hit.missed = !hit.converged && path.anchors > 1 && -0.5 / max(ray.bend, 1e-6) > -LODEN_SHALLOW * range;
   vec2 base = floor(x);
   hit.p = found.xy + base;
   hit.offset = loden_ray_offset(ray, found.z);
-  hit.position = vec3(ray.x + hit.offset + base, found.z);
-  hit.height = loden_ray_height(ray, found.z);
+  hit.position = vec3(ray.x + hit.offset + base, loden_ray_z(ray, found.z));
+  hit.height = found.z;
   return hit;
 }
 

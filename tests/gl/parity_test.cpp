@@ -32,6 +32,8 @@ constexpr double kMaxDifference = 1e-3, kMeanDifference = 1e-4;
 // only if the evaluator has no such value within this distance of x (tile periods), in fp32's reach.
 constexpr float kRounding = 4e-6f;
 constexpr int kMaxAtJumps = 4;  // of 12,544; measured 1
+// Rays that go by the surface show nothing of it: what is compared is that both sides say so.
+constexpr float kMissed = -1;
 
 constexpr const char* kVertex = R"(
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
@@ -58,6 +60,7 @@ void main() {
 #else
   color = vec4(loden_evaluate(m, hit, wi, wo), hit.p.x);
 #endif
+  if (hit.missed) color.xyz = vec3(MISSED);
 }
 )";
 
@@ -148,6 +151,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
 
   std::vector<std::string> defines = variantDefines((*system)->variant(*id));
   defines.push_back(std::string("SKIP_PARALLAX ") + (way.parallax == Parallax::kFaded ? "true" : "false"));
+  defines.push_back("MISSED " + std::to_string(kMissed));
   if (way.environment) defines.push_back("ENVIRONMENT 1");
   defines.push_back("CURVATURE " + matrixText(localSurface(way).curvature));
   defines.push_back("X_FROM_TANGENT " + matrixText(localSurface(way).x_from_tangent));
@@ -175,6 +179,7 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
 // What the shader returns.
 glm::vec3 evaluateAt(const Evaluator& evaluator, glm::vec2 x, const Sample& s, const Way& way) {
   const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way));
+  if (hit.missed) return glm::vec3(kMissed);
   if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(), s.wo);
   return evaluator.evaluate(hit, s.wi, s.wo);
 }

@@ -50,10 +50,10 @@ struct FusedInput {
 // One channel under a light factor: what V times the band's own value has to come to.
 ColumnBlocks factoredBlocks(const FusedInput& in, int channel, const Factors& light, const Indirection& a) {
   ColumnBlocks b = channelBlocks(in.btf, channel);
-  b.factor = [&light, &a](int v, int first, int step, Matrix& into) { readLightFactor(light, a, v, into, first, step); };
+  b.factor = [&light, &a](int v, Matrix& into) { readLightFactor(light, a, v, into); };
   b.read = [&in, channel, factor = b.factor](int v, Matrix& into) {
     Matrix lit;
-    factor(v, 0, 1, lit);
+    factor(v, lit);
     in.btf.read(channel, v, into);
     for (int l = 0; l < into.cols; ++l)
       for (int t = 0; t < into.rows; ++t) into(t, l) -= lit(t, l) * in.mean(v * in.btf.lights() + l, channel);

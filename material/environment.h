@@ -67,8 +67,8 @@ HemisphereLight hemisphereLight(const EnvironmentLight& light, const glm::mat3& 
 DirectionGrid environmentGrid(const Band& band, float theta_max);
 
 // T_k of one band: RGBA16F volume of phis x thetas x (kEnvironmentBasis * quads), slice quad * kEnvironmentBasis + k. Of a band
-// with a light factor the quads are those of chroma, then the ambient layer in place of Y: V (mu + B) - mu is a product of two sums of weights,
-// and there T_k is the least squares fit of its integral by that layer's four.
+// with a light factor the ambient layer is one quad more: V (mu + B) - mu is a product of two sums of weights,
+// and T_k the least squares fit of its integral by those of Y and of that layer.
 // Integrals are over pi, and contain the band's scales and the cosine of assets that leave it out. Takes as long as
 // reading the band's table a few times; a nearest table's some 50 ms.
 Texture environmentTable(const Material& material, const Band& band);

@@ -84,7 +84,7 @@ std::vector<glm::dvec4> integrals(const Material& material, const Band& band, co
 }
 
 // A band with a light factor adds V (mu + B) - mu, a product of two sums of weights. What light from all around makes of
-// it is given as a sum over the weights of its ambient layer, and of its chroma quads: the best one, by least squares over texels of the band itself.
+// it is given as a sum over the weights of its quads and of its ambient layer: the best one, by least squares over texels of the band itself.
 class FactorIntegrals {
  public:
   FactorIntegrals(const Material& material, const Band& band) : m_(material), band_(band) {
@@ -97,13 +97,13 @@ class FactorIntegrals {
     for (std::vector<double>* gram : {&y_gram_, &cb_gram_, &cr_gram_}) factorise(*gram);
   }
 
-  // T_k at one view; index quad * kEnvironmentBasis + k, chroma quads first, then the ambient layer.
+  // T_k at one view; index quad * kEnvironmentBasis + k, the ambient layer last.
   std::vector<glm::dvec4> at(const glm::vec3& view) const {
-    std::vector<glm::dvec4> result(size_t(kEnvironmentBasis) * size_t(band_.chroma_quads + 1), glm::dvec4(0));
-    const int chroma = 2 * band_.chroma_quads;
+    std::vector<glm::dvec4> result(size_t(kEnvironmentBasis) * size_t(band_.quads() + 1), glm::dvec4(0));
+    const int y = 4 * band_.y_quads, all = y + 4, chroma = 2 * band_.chroma_quads;
     const std::vector<double> table = tableAt(view);
     std::array<std::vector<double>, kEnvironmentBasis> luma, cb, cr;
-    for (int k = 0; k < kEnvironmentBasis; ++k) luma[k].assign(4, 0), cb[k].assign(size_t(chroma), 0), cr[k] = cb[k];
+    for (int k = 0; k < kEnvironmentBasis; ++k) luma[k].assign(size_t(all), 0), cb[k].assign(size_t(chroma), 0), cr[k] = cb[k];
     for (const Texel& texel : texels_) {
       std::array<glm::dvec3, kEnvironmentBasis> target{};
       for (size_t l = 0; l < lights_.size(); ++l) {
@@ -111,15 +111,15 @@ class FactorIntegrals {
         for (int k = 0; k < kEnvironmentBasis; ++k) target[k] += lights_[l].basis[k] * value;
       }
       for (int k = 0; k < kEnvironmentBasis; ++k) {
-        for (int c = 0; c < 4; ++c) luma[k][c] += texel.ambient[c] * target[k].x;
+        for (int c = 0; c < all; ++c) luma[k][c] += texel.luma[c] * target[k].x;
         for (int c = 0; c < chroma; ++c) cb[k][c] += texel.cb[c] * target[k].y, cr[k][c] += texel.cr[c] * target[k].z;
       }
     }
     for (int k = 0; k < kEnvironmentBasis; ++k) {
       solve(y_gram_, luma[k]), solve(cb_gram_, cb[k]), solve(cr_gram_, cr[k]);
       const auto quad = [&](int q) -> glm::dvec4& { return result[size_t(q) * kEnvironmentBasis + k]; };
-      for (int c = 0; c < 4; ++c) quad(band_.chroma_quads)[c] = luma[k][c];
-      for (int c = 0; c < chroma; ++c) quad(c / 2)[c % 2] = cb[k][c], quad(c / 2)[2 + c % 2] = cr[k][c];
+      for (int c = 0; c < all; ++c) quad(c < y ? c / 4 : band_.quads())[c % 4] = luma[k][c];
+      for (int c = 0; c < chroma; ++c) quad(band_.y_quads + c / 2)[c % 2] = cb[k][c], quad(band_.y_quads + c / 2)[2 + c % 2] = cr[k][c];
     }
     return result;
   }
@@ -131,20 +131,19 @@ class FactorIntegrals {
     Basis basis;
   };
   struct Texel {
-    std::vector<double> luma, ambient, cb, cr;  // weights as stored: of Y, of the ambient layer, of Cb, of Cr
+    std::vector<double> luma, cb, cr;  // weights as stored: of Y, then of the ambient layer; of Cb; of Cr
     std::vector<double> factor;        // V per light
   };
 
   void addTexel(const glm::vec2& q) {
     Texel texel;
     const auto layer = [&](int l) { return glm::dvec4(sampleRepeatLod(band_.weights, 0.0f, l, q)); };
-    for (int k = 0; k < band_.y_quads; ++k)
-      for (int c = 0; c < 4; ++c) texel.luma.push_back(layer(k)[c]);
-    for (int c = 0; c < 4; ++c) texel.ambient.push_back(layer(band_.ambientLayer())[c]);
+    for (int k = 0; k <= band_.y_quads; ++k)
+      for (int c = 0; c < 4; ++c) texel.luma.push_back(layer(k < band_.y_quads ? k : band_.ambientLayer())[c]);
     for (int k = band_.y_quads; k < band_.quads(); ++k)
       for (int c = 0; c < 2; ++c) texel.cb.push_back(layer(k)[c]), texel.cr.push_back(layer(k)[2 + c]);
     for (const Light& light : lights_) texel.factor.push_back(double(lightFactorAt(m_, band_, q, glm::vec3(light.direction))));
-    addOuter(y_gram_, texel.ambient), addOuter(cb_gram_, texel.cb), addOuter(cr_gram_, texel.cr);
+    addOuter(y_gram_, texel.luma), addOuter(cb_gram_, texel.cb), addOuter(cr_gram_, texel.cr);
     texels_.push_back(std::move(texel));
   }
 
@@ -213,7 +212,7 @@ class FactorIntegrals {
   std::vector<double> y_gram_, cb_gram_, cr_gram_;
 };
 
-int environmentQuads(const Band& band) { return band.light_quads > 0 ? band.chroma_quads + 1 : band.quads(); }
+int environmentQuads(const Band& band) { return band.quads() + (band.light_quads > 0 ? 1 : 0); }
 
 }  // namespace
 

@@ -118,13 +118,12 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
                                        const HemisphereLight& light, const ColorMatrix<T>& mean) {
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   ColorMatrix<T> sum(0);
-  // With a light factor the ambient layer stands for the quads of Y, behind those of chroma.
-  const int first = band.light_quads > 0 ? band.y_quads : 0, last = band.light_quads > 0 ? band.quads() : band.quads() - 1;
-  for (int quad = first; quad <= last; ++quad) {
+  // With a light factor the ambient layer comes behind the quads, and adds to Y.
+  for (int quad = 0; quad < band.quads() + (band.light_quads > 0 ? 1 : 0); ++quad) {
     const bool ambient = quad >= band.quads();
     std::array<V4<T>, 3> scattered{V4<T>(0), V4<T>(0), V4<T>(0)};
     for (int k = 0; k < kEnvironmentBasis; ++k) {
-      const T slice = T((quad - first) * kEnvironmentBasis + k) + T(0.5);
+      const T slice = T(quad * kEnvironmentBasis + k) + T(0.5);
       const V4<T> texel = sampleVolume(table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
       for (int c = 0; c < 3; ++c) scattered[c] += T(light.c[k][c]) * texel;
     }

@@ -1,6 +1,6 @@
 // Light from all around. Mirrors material/environment.h and the environment's half of material/evaluate.cpp.
 // Fetches per band: quads * 7 (weights, and one of the table per basis function), and 1 for the ratio layer; about what two lights cost.
-// With a light factor the ambient layer is one quad in place of those of Y.
+// With a light factor the ambient layer is one quad more.
 //
 // Use, once per pixel:
 //   LodenHemisphere light = loden_hemisphere_light(environment, frame);
@@ -53,19 +53,18 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
   vec2 q = (layout_.x & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
   vec2 mip = loden_material.bands[band].mip.xy;
   float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
-  int quad = 0, quads = layout_.y + layout_.z;
+  int quads = layout_.y + layout_.z;
   vec4 ratio_scale = loden_material.bands[band].ratio_scale;
 #ifdef LODEN_LIGHT_FACTOR
-  int own = quads;  // the ambient layer comes behind, in place of the quads of Y
+  int own = quads;  // the ambient layer comes behind, and adds to Y
   ivec4 factor = loden_material.bands[band].light;
-  bool ambient = factor.z > 0;
-  quad = ambient ? layout_.y : 0;
-  quads += ambient ? 1 : 0;
+  quads += factor.z > 0 ? 1 : 0;
 #endif
   vec2 size = loden_material.bands[band].grid.yx;
-  vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * (quads - quad));
+  vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
   vec3 at = vec3(view * (size - 1.0) + 0.5, 0.5) * texel_size;
   mat3 sum = mat3(0.0);
+  int quad = 0;
   do {
     vec4 red = vec4(0.0), green = vec4(0.0), blue = vec4(0.0);
     for (int k = 0; k < LODEN_ENVIRONMENT_BASIS; ++k) {

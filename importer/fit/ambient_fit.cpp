@@ -1,5 +1,6 @@
 #include "importer/fit/ambient_fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -43,16 +44,26 @@ class Integrals {
 
   Index columns() const { return Index(views_.size()) * kEnvironmentBasis; }
 
-  // Every `stride`-th texel from `first`, `count` of them: count x columns().
-  MatrixXd of(int first, int stride, int count) const {
+  // The components of Y of the same texels, scaled: count x 4 y_quads.
+  MatrixXd luma(int first, int stride, int count) const {
+    MatrixXd weights(count, 4 * band_.y_quads);
     const int side = band_.weights.width;
-    MatrixXd weights(count, 4 * band_.y_quads), factor(count, Index(lights_.size()));
-    for (int i = 0; i < count; ++i) {
-      const int t = first + i * stride;
+    for (int i = 0; i < count; ++i)
       for (int k = 0; k < band_.y_quads; ++k) {
+        const int t = first + i * stride;
         const glm::vec4 texel = fetchTexel(band_.weights, 0, t % side, t / side, k);
         for (int c = 0; c < 4; ++c) weights(i, 4 * k + c) = double(texel[c] * band_.quad_scale[size_t(k)][c]);
       }
+    return weights;
+  }
+
+  // Every `stride`-th texel from `first`, `count` of them: count x columns().
+  MatrixXd of(int first, int stride, int count) const {
+    const int side = band_.weights.width;
+    const MatrixXd weights = luma(first, stride, count);
+    MatrixXd factor(count, Index(lights_.size()));
+    for (int i = 0; i < count; ++i) {
+      const int t = first + i * stride;
       const glm::vec2 q = (glm::vec2(t % side, t / side) + 0.5f) / float(side);
       for (size_t l = 0; l < lights_.size(); ++l) factor(i, Index(l)) = double(lightFactorAt(m_, band_, q, glm::vec3(lights_[l])));
     }
@@ -98,21 +109,30 @@ Matrix ambientWeights(const Material& material, const Band& band, int threads) {
   const Integrals integrals(material, band);
   const int texels = band.weights.width * band.weights.width, stride = (texels + kMostTexels - 1) / kMostTexels;
   const int some = (texels + stride - 1) / stride;
-  std::vector<MatrixXd> grams(kReductionBlocks, MatrixXd::Zero(integrals.columns(), integrals.columns()));
+  // Of the components of Y and the integrals side by side.
+  const Index y = 4 * band.y_quads, all = y + integrals.columns();
+  std::vector<MatrixXd> grams(kReductionBlocks, MatrixXd::Zero(all, all));
   parallelFor(kReductionBlocks, threads, [&](int block) {
     for (int first = blockBegin(some, block), end = blockBegin(some, block + 1); first < end; first += kTexelsAtOnce) {
-      const MatrixXd rows = integrals.of(first * stride, stride, std::min(kTexelsAtOnce, end - first));
+      const int count = std::min(kTexelsAtOnce, end - first);
+      MatrixXd rows(count, all);
+      rows << integrals.luma(first * stride, stride, count), integrals.of(first * stride, stride, count);
       grams[size_t(block)].noalias() += rows.transpose() * rows;
     }
   });
   for (int block = 1; block < kReductionBlocks; ++block) grams[0] += grams[size_t(block)];
+  const MatrixXd own = grams[0].topLeftCorner(y, y), cross = grams[0].topRightCorner(y, integrals.columns());
+  const MatrixXd ridged = own + MatrixXd(Eigen::VectorXd::Constant(y, 1e-6 * own.trace() / double(y) + 1e-300).asDiagonal());
+  const MatrixXd fitted = ridged.ldlt().solve(cross);  // the integrals by the components of Y
+  const MatrixXd rest = grams[0].bottomRightCorner(integrals.columns(), integrals.columns()) - cross.transpose() * fitted -
+                        fitted.transpose() * cross + fitted.transpose() * own * fitted;
   // A few leading factors of many, which the squared condition number does not touch.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> leading(grams[0]);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> leading(rest);
   const MatrixXd basis = leading.eigenvectors().rightCols(4).rowwise().reverse();
   Matrix weights(texels, 4);
   parallelFor((texels + kTexelsAtOnce - 1) / kTexelsAtOnce, threads, [&](int block) {
     const int first = block * kTexelsAtOnce, count = std::min(kTexelsAtOnce, texels - first);
-    eigen(weights).middleRows(first, count) = integrals.of(first, 1, count) * basis;
+    eigen(weights).middleRows(first, count) = (integrals.of(first, 1, count) - integrals.luma(first, 1, count) * fitted) * basis;
   });
   return weights;
 }

@@ -42,7 +42,8 @@ struct DirectionGrid {
 // whose rg are Cb/Y and Cr/Y of the whole value: the band then adds ratio * (Y_b + mu.Y) - mu.C to C; then light_quads
 // layers of weights for the light factor V = clamp(dot(D, E(wi)), 0, 1), the share of the light wi that reaches the
 // point (FBTF section 5: shadows apart from shading), with a table of its own that knows the light alone. A band that
-// has one adds V * (mu + B) - mu in place of B.
+// has one adds V * (mu + B) - mu in place of B. Behind these layers it has one more, the ambient one: four components that change over p
+// as what light from all around makes of the band does (environmentTable).
 struct Band {
   Domain domain = Domain::kReference;
   WeightFilter filter = WeightFilter::kLinear;
@@ -59,12 +60,13 @@ struct Band {
   // Per quad of y, chroma and light: products D*E are multiplied by this (folds both 8-bit scales).
   std::vector<glm::vec4> quad_scale;
   glm::vec4 ratio_scale{1};
-  Texture weights;  // 2-D array, layers = y_quads + chroma_quads + ratio + light_quads (+ spare layers, zero)
+  Texture weights;  // 2-D array, layers = layers() (+ spare layers, zero)
   Texture table;    // volume
   Texture light_table;  // volume (phi_i, theta_i, light quad), a grid of its own; empty without light quads
   int quads() const { return y_quads + chroma_quads; }
   int lightLayer() const { return quads() + (ratio ? 1 : 0); }  // the first of the light factor
-  int layers() const { return lightLayer() + light_quads; }
+  int ambientLayer() const { return lightLayer() + light_quads; }
+  int layers() const { return ambientLayer() + (light_quads > 0 ? 1 : 0); }
   size_t bytes() const { return weights.data.size() + table.data.size() + light_table.data.size(); }
 };
 

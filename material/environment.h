@@ -66,8 +66,9 @@ HemisphereLight hemisphereLight(const EnvironmentLight& light, const glm::mat3& 
 // Views at which T_k of a band is stored: those of its table's grid, or 6 x 25 where that has none.
 DirectionGrid environmentGrid(const Band& band, float theta_max);
 
-// T_k of one band: RGBA16F volume of phis x thetas x (kEnvironmentBasis * quads), slice quad * kEnvironmentBasis + k; quads
-// of a light factor count too, behind the others. There T_k is a fit: a product of sums is no sum of its weights.
+// T_k of one band: RGBA16F volume of phis x thetas x (kEnvironmentBasis * quads), slice quad * kEnvironmentBasis + k. Of a band
+// with a light factor the ambient layer is one quad more: V (mu + B) - mu is a product of two sums of weights,
+// and T_k the least squares fit of its integral by those of Y and of that layer.
 // Integrals are over pi, and contain the band's scales and the cosine of assets that leave it out. Takes as long as
 // reading the band's table a few times; a nearest table's some 50 ms.
 Texture environmentTable(const Material& material, const Band& band);

@@ -84,7 +84,7 @@ std::vector<glm::dvec4> integrals(const Material& material, const Band& band, co
 }
 
 // A band with a light factor adds V (mu + B) - mu, a product of two sums of weights. What light from all around makes of
-// it is given as a sum over the weights of both: the best one, by least squares over texels of the band itself.
+// it is given as a sum over the weights of its quads and of its ambient layer: the best one, by least squares over texels of the band itself.
 class FactorIntegrals {
  public:
   FactorIntegrals(const Material& material, const Band& band) : m_(material), band_(band) {
@@ -97,10 +97,10 @@ class FactorIntegrals {
     for (std::vector<double>* gram : {&y_gram_, &cb_gram_, &cr_gram_}) factorise(*gram);
   }
 
-  // T_k at one view; index quad * kEnvironmentBasis + k, y and chroma quads first, then those of the light factor.
+  // T_k at one view; index quad * kEnvironmentBasis + k, the ambient layer last.
   std::vector<glm::dvec4> at(const glm::vec3& view) const {
-    std::vector<glm::dvec4> result(size_t(kEnvironmentBasis) * size_t(band_.quads() + band_.light_quads), glm::dvec4(0));
-    const int y = 4 * band_.y_quads, all = y + 4 * band_.light_quads, chroma = 2 * band_.chroma_quads;
+    std::vector<glm::dvec4> result(size_t(kEnvironmentBasis) * size_t(band_.quads() + 1), glm::dvec4(0));
+    const int y = 4 * band_.y_quads, all = y + 4, chroma = 2 * band_.chroma_quads;
     const std::vector<double> table = tableAt(view);
     std::array<std::vector<double>, kEnvironmentBasis> luma, cb, cr;
     for (int k = 0; k < kEnvironmentBasis; ++k) luma[k].assign(size_t(all), 0), cb[k].assign(size_t(chroma), 0), cr[k] = cb[k];
@@ -118,7 +118,7 @@ class FactorIntegrals {
     for (int k = 0; k < kEnvironmentBasis; ++k) {
       solve(y_gram_, luma[k]), solve(cb_gram_, cb[k]), solve(cr_gram_, cr[k]);
       const auto quad = [&](int q) -> glm::dvec4& { return result[size_t(q) * kEnvironmentBasis + k]; };
-      for (int c = 0; c < all; ++c) quad(c < y ? c / 4 : band_.quads() + (c - y) / 4)[c % 4] = luma[k][c];
+      for (int c = 0; c < all; ++c) quad(c < y ? c / 4 : band_.quads())[c % 4] = luma[k][c];
       for (int c = 0; c < chroma; ++c) quad(band_.y_quads + c / 2)[c % 2] = cb[k][c], quad(band_.y_quads + c / 2)[2 + c % 2] = cr[k][c];
     }
     return result;
@@ -131,18 +131,15 @@ class FactorIntegrals {
     Basis basis;
   };
   struct Texel {
-    std::vector<double> luma, cb, cr;  // weights as stored: of Y, then of the light factor; of Cb; of Cr
+    std::vector<double> luma, cb, cr;  // weights as stored: of Y, then of the ambient layer; of Cb; of Cr
     std::vector<double> factor;        // V per light
   };
 
   void addTexel(const glm::vec2& q) {
     Texel texel;
     const auto layer = [&](int l) { return glm::dvec4(sampleRepeatLod(band_.weights, 0.0f, l, q)); };
-    const auto append = [&](int l) {
-      for (int c = 0; c < 4; ++c) texel.luma.push_back(layer(l)[c]);
-    };
-    for (int k = 0; k < band_.y_quads; ++k) append(k);
-    for (int k = 0; k < band_.light_quads; ++k) append(band_.lightLayer() + k);
+    for (int k = 0; k <= band_.y_quads; ++k)
+      for (int c = 0; c < 4; ++c) texel.luma.push_back(layer(k < band_.y_quads ? k : band_.ambientLayer())[c]);
     for (int k = band_.y_quads; k < band_.quads(); ++k)
       for (int c = 0; c < 2; ++c) texel.cb.push_back(layer(k)[c]), texel.cr.push_back(layer(k)[2 + c]);
     for (const Light& light : lights_) texel.factor.push_back(double(lightFactorAt(m_, band_, q, glm::vec3(light.direction))));
@@ -173,7 +170,7 @@ class FactorIntegrals {
       sum.y += texel.cb[size_t(c)] * quad[0], sum.z += texel.cr[size_t(c)] * quad[2];
     }
     const double mean = table[4 * band_.quads()];
-    return factor * (sum + glm::dvec3(mean, 0, 0)) - glm::dvec3(mean, 0, 0);
+    return factor * glm::dvec3(std::max(sum.x + mean, 0.0), sum.y, sum.z) - glm::dvec3(mean, 0, 0);  // no light below zero
   }
 
   static void addOuter(std::vector<double>& gram, const std::vector<double>& v) {
@@ -215,7 +212,7 @@ class FactorIntegrals {
   std::vector<double> y_gram_, cb_gram_, cr_gram_;
 };
 
-int environmentQuads(const Band& band) { return band.quads() + band.light_quads; }
+int environmentQuads(const Band& band) { return band.quads() + (band.light_quads > 0 ? 1 : 0); }
 
 }  // namespace
 

@@ -118,20 +118,20 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
                                        const HemisphereLight& light, const ColorMatrix<T>& mean) {
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   ColorMatrix<T> sum(0);
-  // The light factor's weights add to Y too: a product of two sums is no sum of either, see environmentTable.
-  for (int quad = 0; quad < band.quads() + band.light_quads; ++quad) {
-    const bool light_quad = quad >= band.quads();
+  // With a light factor the ambient layer comes behind the quads, and adds to Y.
+  for (int quad = 0; quad < band.quads() + (band.light_quads > 0 ? 1 : 0); ++quad) {
+    const bool ambient = quad >= band.quads();
     std::array<V4<T>, 3> scattered{V4<T>(0), V4<T>(0), V4<T>(0)};
     for (int k = 0; k < kEnvironmentBasis; ++k) {
       const T slice = T(quad * kEnvironmentBasis + k) + T(0.5);
       const V4<T> texel = sampleVolume(table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
       for (int c = 0; c < 3; ++c) scattered[c] += T(light.c[k][c]) * texel;
     }
-    const V4<T> weights = fetchWeights(band, light_quad ? quad - band.quads() + band.lightLayer() : quad, q, hit.lambda);
+    const V4<T> weights = fetchWeights(band, ambient ? band.ambientLayer() : quad, q, hit.lambda);
     for (int c = 0; c < 3; ++c) {
       const V4<T> product = weights * scattered[c];
       const V2<T> halves(product.x + product.y, product.z + product.w);
-      sum[c] += quad < band.y_quads || light_quad ? V3<T>(halves.x + halves.y, 0, 0) : V3<T>(0, halves);
+      sum[c] += quad < band.y_quads || ambient ? V3<T>(halves.x + halves.y, 0, 0) : V3<T>(0, halves);
     }
   }
   if (band.ratio) {

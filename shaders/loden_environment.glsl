@@ -1,6 +1,6 @@
 // Light from all around. Mirrors material/environment.h and the environment's half of material/evaluate.cpp.
-// Fetches per band: quads * 7 (weights, and one of the table per basis function; those of a light factor too), and 1 for the ratio layer; about
-// what two lights cost.
+// Fetches per band: quads * 7 (weights, and one of the table per basis function), and 1 for the ratio layer; about what two lights cost.
+// With a light factor the ambient layer is one quad more.
 //
 // Use, once per pixel:
 //   LodenHemisphere light = loden_hemisphere_light(environment, frame);
@@ -56,9 +56,9 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
   int quads = layout_.y + layout_.z;
   vec4 ratio_scale = loden_material.bands[band].ratio_scale;
 #ifdef LODEN_LIGHT_FACTOR
-  int own = quads;  // the light factor's weights come behind, and add to Y
+  int own = quads;  // the ambient layer comes behind, and adds to Y
   ivec4 factor = loden_material.bands[band].light;
-  quads += factor.z;
+  quads += factor.z > 0 ? 1 : 0;
 #endif
   vec2 size = loden_material.bands[band].grid.yx;
   vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
@@ -76,7 +76,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
       blue += light.c[k].b * texel;
     }
 #ifdef LODEN_LIGHT_FACTOR
-    vec4 weights = loden_fetch_weights(band, quad < own ? quad : factor.w + quad - own, q, lod);
+    vec4 weights = loden_fetch_weights(band, quad < own ? quad : factor.w + factor.z, q, lod);
     bool luminance = quad < layout_.y || quad >= own;
 #else
     vec4 weights = loden_fetch_weights(band, quad, q, lod);

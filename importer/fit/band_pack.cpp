@@ -183,6 +183,11 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
   return band;
 }
 
+void storeAmbient(Band& band, const Matrix& weights, const PackOptions& options) {
+  for (int c = 0; c < 4; ++c)
+    storeWeights(band.weights, band.ambientLayer(), c, {oneColumn(weights.col(c))}, band.weights.width, scaleOf(weights.col(c), options.storage), options.owners);
+}
+
 namespace {
 
 Factors unpackChannel(const Band& band, const DirectionGrid& g, int channel, int lights, int views) {

@@ -43,6 +43,9 @@ struct PackOptions {
 Band packBand(const BandFactors& factors, const DirectionSet& lights, const DirectionSet& views,
               const PackOptions& options);
 
+// Stores the four components of the ambient layer of a band with a light factor, side * side x 4.
+void storeAmbient(Band& band, const Matrix& weights, const PackOptions& options);
+
 // A stored band as the evaluator reads it at the sampled directions: mip 0 of the weights and the table at the
 // samples, scales folded into the basis; the light factor's basis is lights x k.
 BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const DirectionSet& lights,

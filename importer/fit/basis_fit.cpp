@@ -15,34 +15,59 @@ namespace loden::importer {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+MatrixXd componentPairs(const Eigen::Ref<const MatrixXd>& m) {
+  MatrixXd pairs(m.rows(), m.cols() * (m.cols() + 1) / 2);
+  for (Index i = 0, pair = 0; i < m.cols(); ++i)
+    for (Index j = 0; j <= i; ++j, ++pair) pairs.col(pair) = m.col(i).cwiseProduct(m.col(j));
+  return pairs;
+}
+
+double ViewProducts::error(const MatrixXd& e) const {
+  double fitted = 0;
+  if (grams.empty()) fitted = (gram * e).cwiseProduct(e).sum();
+  for (size_t l = 0; l < grams.size(); ++l) fitted += e.col(Index(l)).dot(grams[l] * e.col(Index(l)));
+  return squares - 2 * e.cwiseProduct(cross).sum() + fitted;
+}
+
 ViewProducts viewProducts(const Matrix& seen, const Matrix& block) {
   ViewProducts p;
   p.gram.noalias() = eigen(seen).transpose() * eigen(seen);
   p.cross.noalias() = eigen(seen).transpose() * eigen(block);
   p.squares = eigen(block).squaredNorm();
+  p.rows = block.rows;
   return p;
 }
 
 ViewProducts viewProducts(const Matrix& seen, const Matrix& block, const Matrix& factor) {
   // So many texels decide the few unknowns of a light well enough.
   constexpr int kEnoughTexels = 1 << 14;
+  constexpr int kRowsAtOnce = 512;  // what is made of them stays in the cache
   const int step = seen.rows > kEnoughTexels ? seen.rows / kEnoughTexels | 1 : 1;  // odd: not always the same columns
-  const int rows = (seen.rows + step - 1) / step;
   ViewProducts p;
-  p.cross.resize(seen.cols, block.cols);
+  p.rows = (seen.rows + step - 1) / step;
+  p.cross = MatrixXd::Zero(seen.cols, block.cols);
+  MatrixXd sums = MatrixXd::Zero(block.cols, Index(seen.cols) * (seen.cols + 1) / 2);  // of each light the distinct entries of its gram
+  MatrixXd m(kRowsAtOnce, seen.cols), f(kRowsAtOnce, block.cols), b(kRowsAtOnce, block.cols);
+  for (int first = 0; first < p.rows; first += kRowsAtOnce) {
+    const int count = std::min(kRowsAtOnce, p.rows - first);
+    const auto take = [&](const Matrix& from, MatrixXd& to) {
+      for (int c = 0; c < from.cols; ++c)
+        for (int r = 0; r < kRowsAtOnce; ++r) to(r, c) = r < count ? from((first + r) * step, c) : 0.0;
+    };
+    take(seen, m), take(factor, f), take(block, b);
+    p.squares += b.squaredNorm();
+    b.array() *= f.array();
+    p.cross.noalias() += m.transpose() * b;
+    f.array() *= f.array();
+    sums.noalias() += f.transpose() * componentPairs(m);
+  }
   p.gram = MatrixXd::Zero(seen.cols, seen.cols);
-  p.squares = eigen(block).squaredNorm();
-  MatrixXd some(rows, seen.cols), scaled;
-  for (int r = 0; r < rows; ++r) some.row(r) = eigen(seen).row(r * step);
-  Eigen::VectorXd f(rows), b(rows);
   for (int l = 0; l < block.cols; ++l) {
-    for (int r = 0; r < rows; ++r) f[r] = factor(r * step, l), b[r] = block(r * step, l);
-    scaled = some.array().colwise() * f.array();
-    MatrixXd half = MatrixXd::Zero(seen.cols, seen.cols);
-    half.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
-    p.grams.emplace_back(half.selfadjointView<Eigen::Lower>());
-    p.cross.col(l).noalias() = scaled.transpose() * b;
-    p.gram += p.grams.back() / double(block.cols);
+    MatrixXd gram(seen.cols, seen.cols);
+    for (Index i = 0, pair = 0; i < gram.rows(); ++i)
+      for (Index j = 0; j <= i; ++j, ++pair) gram(i, j) = gram(j, i) = sums(l, pair);
+    p.gram += gram / double(block.cols);
+    p.grams.push_back(std::move(gram));
   }
   return p;
 }
@@ -74,7 +99,7 @@ std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& 
     Matrix block, seen, factor;
     b.read(int(v), block);
     a.apply(int(v), weights, seen);
-    if (b.factor) b.factor(int(v), 0, 1, factor);
+    if (b.factor) b.factor(int(v), factor);
     products[v] = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
   });
   return products;

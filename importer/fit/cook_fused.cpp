@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "importer/charts.h"
+#include "importer/fit/ambient_fit.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/coarse_fit.h"
 #include "importer/fit/flat_fit.h"
@@ -50,10 +51,10 @@ struct FusedInput {
 // One channel under a light factor: what V times the band's own value has to come to.
 ColumnBlocks factoredBlocks(const FusedInput& in, int channel, const Factors& light, const Indirection& a) {
   ColumnBlocks b = channelBlocks(in.btf, channel);
-  b.factor = [&light, &a](int v, int first, int step, Matrix& into) { readLightFactor(light, a, v, into, first, step); };
+  b.factor = [&light, &a](int v, Matrix& into) { readLightFactor(light, a, v, into); };
   b.read = [&in, channel, factor = b.factor](int v, Matrix& into) {
     Matrix lit;
-    factor(v, 0, 1, lit);
+    factor(v, lit);
     in.btf.read(channel, v, into);
     for (int l = 0; l < into.cols; ++l)
       for (int t = 0; t < into.rows; ++t) into(t, l) -= lit(t, l) * in.mean(v * in.btf.lights() + l, channel);
@@ -112,7 +113,9 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
   factors.ratio = {fitRatios(in.btf, whole, in.material.mean, a, in.threads)};
   if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, luma, fit, factors);
   const int mips = flatMips(plan, factors.side);
-  Band band = packBand(factors, lights, views, {TableLayout::kGrid, plan.storage, grid, mips, 0, light_grid, fit.owners});
+  const PackOptions pack{TableLayout::kGrid, plan.storage, grid, mips, 0, light_grid, fit.owners};
+  Band band = packBand(factors, lights, views, pack);
+  if (factored) storeAmbient(band, ambientWeights(in.material, band, in.threads), pack);
   band.domain = Domain::kFlat;
   band.lambda_first = kFlatFirst;
   if (hasCoarseBand(plan, in.btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
@@ -193,7 +196,7 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2, coarse_quads = (plan.coarse_y + 3) / 4;
   uint64_t bytes = textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
   const int light_quads = (plan.light_components + 3) / 4;
-  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1 + light_quads) + tables(plan.storage, fine_quads, plan.phis);
+  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1 + light_quads + (light_quads > 0 ? 1 : 0)) + tables(plan.storage, fine_quads, plan.phis);
   const DirectionGrid light_grid = lightFactorGrid({});
   if (light_quads > 0) bytes += textureBytes(TexelFormat::kRGBA16Snorm, uint64_t(light_grid.phis), uint64_t(light_grid.thetas), uint64_t(light_quads), 1);
   if (hasCoarseBand(plan, side))

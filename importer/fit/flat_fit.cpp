@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "importer/fit/eigen.h"
 #include "importer/fit/view_products.h"
@@ -19,116 +20,148 @@ using Eigen::MatrixXd;
 struct Pass {
   MatrixXd basis;  // samples x k
   MatrixXd right;  // flat texels x k
-  double error = 0, squares = 0;
+  double error = 0;
 };
-
-// Of data with a factor the D step looks at every n-th light alone where there are texels enough, another one in each
-// view: columns of `all` that it takes.
-constexpr int kManyTexels = 1 << 14;
-int columnStep(int texels) { return texels > kManyTexels ? 5 : 1; }
-MatrixXd someColumns(const Eigen::Ref<const MatrixXd>& all, int view, int texels) {
-  const int step = columnStep(texels), first = view % step;
-  MatrixXd some(all.rows(), (all.cols() - first + step - 1) / step);
-  for (Index c = 0; c < some.cols(); ++c) some.col(c) = all.col(first + c * step);
-  return some;
-}
-
-// Factor, data and table of one view as the D step takes them.
-struct FactoredView {
-  MatrixXd factor;  // texels x some lights
-  MatrixXd basis;   // some lights x k
-};
-FactoredView factoredView(const ColumnBlocks& b, const Eigen::Ref<const MatrixXd>& basis, int view) {
-  Matrix factor;
-  const int step = columnStep(b.rows);
-  b.factor(view, view % step, step, factor);
-  return {eigen(factor), someColumns(basis.transpose(), view, b.rows).transpose()};
-}
 
 Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads) {
   const int k = weights.cols;
   Pass pass;
   pass.basis.resize(b.cols(), k);
   std::vector<Matrix> right(kReductionBlocks, Matrix(a.flat_texels, k));
-  std::vector<double> error(size_t(b.blocks)), squares(size_t(b.blocks));
+  std::vector<double> error(size_t(b.blocks));
   parallelFor(kReductionBlocks, threads, [&](int group) {
-    Matrix block, seen, factor, product(a.texels, k);
+    Matrix block, seen, factor, product(a.texels, k);  // kept from view to view: pages that are new each time cost more than what is done with them
     for (int v = blockBegin(b.blocks, group); v < blockBegin(b.blocks, group + 1); ++v) {
       b.read(v, block);
       a.apply(v, weights, seen);
-      if (b.factor) b.factor(v, 0, 1, factor);
+      if (b.factor) b.factor(v, factor);
       const ViewProducts p = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
       const MatrixXd e = solveView(p);
-      squares[size_t(v)] = p.squares;
       pass.basis.middleRows(Index(v) * b.block_cols, b.block_cols) = e.transpose();
-      if (b.factor) {
-        error[size_t(v)] = (eigen(block) - eigen(factor).cwiseProduct(eigen(seen) * e)).squaredNorm();
-        eigen(block) = eigen(block).cwiseProduct(eigen(factor));
-        eigen(product).noalias() = someColumns(eigen(block), v, b.rows) * someColumns(e, v, b.rows).transpose();
-      } else {
-        error[size_t(v)] = p.squares - 2 * e.cwiseProduct(p.cross).sum() + (p.gram * e).cwiseProduct(e).sum();
-        eigen(product).noalias() = eigen(block) * e.transpose();
-      }
+      error[size_t(v)] = p.error(e) * double(a.texels) / double(p.rows);
+      if (b.factor) eigen(block).array() *= eigen(factor).array();
+      eigen(product).noalias() = eigen(block) * e.transpose();
       a.addTransposed(v, product, right[size_t(group)]);
     }
   });
   pass.right = eigen(right[0]);
   for (int group = 1; group < kReductionBlocks; ++group) pass.right += eigen(right[size_t(group)]);
-  for (int v = 0; v < b.blocks; ++v) {
-    pass.error += error[size_t(v)];
-    pass.squares += squares[size_t(v)];
-  }
+  for (const double of_view : error) pass.error += of_view;
   return pass;
 }
+
+// sum_v A_v^T G_v A_v for data with a factor, whose every texel and view has a G of its own, the k x k matrix of its
+// table under the light that comes there. A view reads four texels beside each other, so the sum ties a flat texel to itself and its eight
+// neighbours alone: it is made once per table, and a step of the gradients does not look at the data.
+class Stencil {
+ public:
+  Stencil(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis, int side, int threads)
+      : side_(side), k_(static_cast<int>(basis.cols())), threads_(threads), sums_(size_t(a.flat_texels) * kReach * size_t(pairs())) {
+    const Index lights = basis.rows() / a.views;
+    std::vector<MatrixXd> grams(kViewsAtOnce);
+    for (int first = 0; first < a.views; first += kViewsAtOnce) {
+      const int count = std::min(kViewsAtOnce, a.views - first);
+      parallelFor(size_t(count), threads, [&](size_t i) {
+        Matrix factor;
+        b.factor(first + int(i), factor);
+        const MatrixXd products = componentPairs(basis.middleRows((first + Index(i)) * lights, lights));
+        grams[i].noalias() = products.transpose() * eigen(factor).cwiseAbs2().transpose();  // pairs x texels
+      });
+      const int slices = (pairs() + kSlice - 1) / kSlice;
+      parallelFor(size_t(slices), threads, [&](size_t slice) {
+        const int begin = static_cast<int>(slice) * kSlice, end = std::min(begin + kSlice, pairs());
+        for (int i = 0; i < count; ++i) addView(a, first + i, grams[size_t(i)], begin, end);
+      });
+    }
+  }
+
+  MatrixXd apply(const Matrix& d) const {
+    MatrixXd out(d.rows, d.cols);
+    parallelFor(size_t(side_), threads_, [&](size_t j) {
+      std::vector<double> sum(static_cast<size_t>(k_));
+      for (int i = 0; i < side_; ++i) {
+        const int at = int(j) * side_ + i;
+        std::fill(sum.begin(), sum.end(), 0.0);
+        addProduct(at, 0, d, at, sum);
+        for (int o = 1; o < kReach; ++o) {
+          const glm::ivec2 step(kOffsets[o][0], kOffsets[o][1]);
+          const int before = texel(i - step.x, int(j) - step.y);
+          addProduct(at, o, d, texel(i + step.x, int(j) + step.y), sum);
+          addProduct(before, o, d, before, sum);
+        }
+        for (int c = 0; c < k_; ++c) out(at, c) = sum[size_t(c)];
+      }
+    });
+    return out;
+  }
+
+  MatrixXd diagonal() const {
+    MatrixXd out(Index(side_) * side_, k_);
+    for (int t = 0; t < side_ * side_; ++t)
+      for (int c = 0; c < k_; ++c) out(t, c) = double(block(t, 0)[c * (c + 1) / 2 + c]);
+    return out;
+  }
+
+ private:
+  static constexpr int kReach = 5;  // itself, and half of the eight: the other half is the same seen from there
+  static constexpr int kOffsets[kReach][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 1}};
+  static constexpr int kViewsAtOnce = 8;
+  static constexpr int kSlice = 8;  // pairs that one task sums
+
+  int pairs() const { return k_ * (k_ + 1) / 2; }
+  int texel(int i, int j) const { return (j + side_) % side_ * side_ + (i + side_) % side_; }
+  const float* block(int t, int offset) const { return sums_.data() + (size_t(t) * kReach + size_t(offset)) * size_t(pairs()); }
+
+  // Taps of Indirection: (0, 0), (1, 0), (0, 1), (1, 1) of four texels.
+  void addView(const Indirection& a, int view, const MatrixXd& grams, int begin, int end) {
+    struct Tie {
+      int from, to, offset;
+    };
+    constexpr Tie kTies[] = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {0, 1, 1}, {2, 3, 1}, {0, 2, 2}, {1, 3, 2}, {0, 3, 3}, {1, 2, 4}};
+    for (int x = 0; x < a.texels; ++x) {
+      const Indirection::Taps& t = a.taps[size_t(view) * size_t(a.texels) + size_t(x)];
+      const double* gram = &grams(0, x);
+      for (const Tie& tie : kTies) {
+        const float share = t.weight[tie.from] * t.weight[tie.to];
+        float* sum = sums_.data() + (size_t(t.index[tie.from]) * kReach + size_t(tie.offset)) * size_t(pairs());
+        for (int p = begin; p < end; ++p) sum[p] += share * float(gram[p]);
+      }
+    }
+  }
+
+  // sum += block * row `from` of d.
+  void addProduct(int t, int offset, const Matrix& d, int from, std::vector<double>& sum) const {
+    const float* entry = block(t, offset);
+    for (int i = 0; i < k_; ++i) {
+      for (int j = 0; j < i; ++j, ++entry) {
+        sum[size_t(i)] += double(*entry) * d(from, j);
+        sum[size_t(j)] += double(*entry) * d(from, i);
+      }
+      sum[size_t(i)] += double(*entry++) * d(from, i);
+    }
+  }
+
+  int side_, k_, threads_;
+  std::vector<float> sums_;  // [flat texel][offset][pair]
+};
 
 // sum_v A_v^T A_v D (E_v^T E_v) + smoothness * Laplacian(D): the normal operator of the D step.
 class NormalOperator {
  public:
   NormalOperator(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis, const FlatFitOptions& options)
-      : b_(b), a_(a), basis_(basis), owners_(options.owners), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(options.threads) {
-    const Index lights = basis.rows() / a.views;
-    for (int v = 0; v < a.views; ++v) {
-      const auto e = basis.middleRows(v * lights, lights);
-      grams_.push_back(e.transpose() * e);
-    }
-    diagonal_ = MatrixXd::Zero(a.flat_texels, basis.cols());
-    MatrixXd squares;  // of each texel's rows of E, with a factor
-    for (int v = 0; v < a.views; ++v) {
-      if (b.factor) {
-        const FactoredView f = factoredView(b, basis.middleRows(v * lights, lights), v);
-        squares = f.factor.cwiseAbs2() * f.basis.cwiseAbs2();
-      }
-      for (int x = 0; x < a.texels; ++x) {
-        const Indirection::Taps& t = a.taps[size_t(v) * size_t(a.texels) + size_t(x)];
-        for (int i = 0; i < 4; ++i) {
-          const double share = double(t.weight[i] * t.weight[i]);
-          if (b.factor) diagonal_.row(t.index[i]) += share * squares.row(x);
-          else diagonal_.row(t.index[i]) += share * grams_[size_t(v)].diagonal().transpose();
-        }
-      }
+      : a_(a), basis_(basis), owners_(options.owners), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(options.threads) {
+    if (b.factor) {
+      stencil_.emplace(b, a, basis, side_, threads_);
+      diagonal_ = stencil_->diagonal();
+    } else {
+      sumGrams();
     }
     smoothness_ = options.smoothness * diagonal_.mean();
     diagonal_.array() += 4 * smoothness_ + 1e-12 * diagonal_.maxCoeff() + 1e-300;
   }
 
   MatrixXd apply(const Matrix& d) const {
-    std::vector<Matrix> partial(kReductionBlocks, Matrix(d.rows, d.cols));
-    parallelFor(kReductionBlocks, threads_, [&](int group) {
-      Matrix seen, product(a_.texels, d.cols);
-      for (int v = blockBegin(a_.views, group); v < blockBegin(a_.views, group + 1); ++v) {
-        a_.apply(v, d, seen);
-        if (b_.factor) {
-          const Index lights = basis_.rows() / a_.views;
-          const FactoredView f = factoredView(b_, basis_.middleRows(v * lights, lights), v);
-          eigen(product).noalias() = (eigen(seen) * f.basis.transpose()).cwiseProduct(f.factor.cwiseAbs2()) * f.basis;
-        } else {
-          eigen(product).noalias() = eigen(seen) * grams_[size_t(v)];
-        }
-        a_.addTransposed(v, product, partial[size_t(group)]);
-      }
-    });
-    MatrixXd sum = eigen(partial[0]);
-    for (int group = 1; group < kReductionBlocks; ++group) sum += eigen(partial[size_t(group)]);
+    MatrixXd sum = stencil_ ? stencil_->apply(d) : applyGrams(d);
     addSmoothness(d, sum);
     return sum;
   }
@@ -136,6 +169,36 @@ class NormalOperator {
   const MatrixXd& diagonal() const { return diagonal_; }
 
  private:
+  void sumGrams() {
+    const Index lights = basis_.rows() / a_.views;
+    for (int v = 0; v < a_.views; ++v) {
+      const auto e = basis_.middleRows(v * lights, lights);
+      grams_.push_back(e.transpose() * e);
+    }
+    diagonal_ = MatrixXd::Zero(a_.flat_texels, basis_.cols());
+    for (int v = 0; v < a_.views; ++v)
+      for (int x = 0; x < a_.texels; ++x) {
+        const Indirection::Taps& t = a_.taps[size_t(v) * size_t(a_.texels) + size_t(x)];
+        for (int i = 0; i < 4; ++i)
+          diagonal_.row(t.index[i]) += double(t.weight[i] * t.weight[i]) * grams_[size_t(v)].diagonal().transpose();
+      }
+  }
+
+  MatrixXd applyGrams(const Matrix& d) const {
+    std::vector<Matrix> partial(kReductionBlocks, Matrix(d.rows, d.cols));
+    parallelFor(kReductionBlocks, threads_, [&](int group) {
+      Matrix seen, product(a_.texels, d.cols);
+      for (int v = blockBegin(a_.views, group); v < blockBegin(a_.views, group + 1); ++v) {
+        a_.apply(v, d, seen);
+        eigen(product).noalias() = eigen(seen) * grams_[size_t(v)];
+        a_.addTransposed(v, product, partial[size_t(group)]);
+      }
+    });
+    MatrixXd sum = eigen(partial[0]);
+    for (int group = 1; group < kReductionBlocks; ++group) sum += eigen(partial[size_t(group)]);
+    return sum;
+  }
+
   void addSmoothness(const Matrix& d, MatrixXd& sum) const {
     for (int k = 0; k < d.cols; ++k)
       for (int j = 0; j < side_; ++j)
@@ -151,13 +214,13 @@ class NormalOperator {
     return owners_.empty() || owners_[size_t(at)] == owners_[size_t(next)] ? d(next, k) : d(at, k);
   }
 
-  const ColumnBlocks& b_;
   const Indirection& a_;
   const MatrixXd& basis_;
   const std::vector<uint16_t>& owners_;
   int side_, threads_;
   double smoothness_ = 0;
-  std::vector<MatrixXd> grams_;
+  std::vector<MatrixXd> grams_;     // of each view, without a factor
+  std::optional<Stencil> stencil_;  // with one
   MatrixXd diagonal_;
 };
 

@@ -140,13 +140,11 @@ Factors lightFactorAt(const Factors& factor, const DirectionGrid& grid, const Di
   return {factor.weights, matrixFrom(eigen(sampling) * eigen(factor.basis))};
 }
 
-void readLightFactor(const Factors& factor, const Indirection& a, int view, Matrix& into, int first, int step) {
+void readLightFactor(const Factors& factor, const Indirection& a, int view, Matrix& into) {
   Matrix seen;
   a.apply(view, factor.weights, seen);
-  MatrixXd basis((factor.basis.rows - first + step - 1) / step, factor.basis.cols);
-  for (Index l = 0; l < basis.rows(); ++l) basis.row(l) = eigen(factor.basis).row(first + l * step);
-  if (into.rows != a.texels || into.cols != basis.rows()) into = Matrix(a.texels, static_cast<int>(basis.rows()));
-  eigen(into).noalias() = eigen(seen) * basis.transpose();
+  if (into.rows != a.texels || into.cols != factor.basis.rows) into = Matrix(a.texels, factor.basis.rows);
+  eigen(into).noalias() = eigen(seen) * eigen(factor.basis).transpose();
   eigen(into) = eigen(into).cwiseMax(0.0).cwiseMin(1.0);
 }
 

@@ -26,8 +26,7 @@ Factors fitLightFactor(const Matrix& visibility, int components, Storage storage
 // The same factors with their basis at the sampled lights, lights x k.
 Factors lightFactorAt(const Factors& factor, const DirectionGrid& grid, const DirectionSet& lights);
 
-// One view's factor as the evaluator reads it, texels x every `step`-th light from `first`; `factor` as lightFactorAt
-// gives it.
-void readLightFactor(const Factors& factor, const Indirection& a, int view, Matrix& into, int first = 0, int step = 1);
+// One view's factor as the evaluator reads it, texels x lights; `factor` as lightFactorAt gives it.
+void readLightFactor(const Factors& factor, const Indirection& a, int view, Matrix& into);
 
 }  // namespace loden::importer

@@ -17,6 +17,12 @@
 
 namespace loden {
 
+// What the runtime's shaders read of a material (shaders/loden_shared.h); files may hold more.
+struct ShaderLimits {
+  static constexpr int kMaxBands = 8;
+  static constexpr int kMaxQuads = 16;  // of one band, of all kinds together
+};
+
 // Limits of the format; FORMAT.md section "Limits" lists the same names and numbers, and a test compares
 // them.
 struct AssetLimits {

@@ -246,17 +246,24 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
     hit.fetches = 2;
   } else if ((lookup == Lookup::kFast || lookup == Lookup::kDefault) && !atlas_.depth.empty()) {
     const T fade = parallax == Parallax::kFaded ? parallaxFade(*material_, hit.lambda, wo) : T(1);
-    if (!(fade > 0)) return hit;
+    const T share = parameterShare(*material_, hit.lambda);
+    if (!(fade > 0 && share > 0)) return hit;
     const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
     const VdimHit<T> found = vdimLookup(atlas_, tier, x, wo, surface);
     hit.p = glm::mix(x, found.p, fade);
-    hit.depth = found.height * fade;
-    const T shown = fade * parameterShare(*material_, hit.lambda);
+    hit.depth = found.height * fade * std::min(T(2) * share, T(1));
+    const T shown = fade * share;
     hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
     hit.missed = found.missed && shown >= T(0.5);
     hit.fetches = found.fetches;
   }
   return hit;
+}
+
+template <class T>
+glm::mat<3, 3, T> hitFrame(const Hit<T>& hit, const glm::mat<3, 3, T>& frame) {
+  return {glm::normalize(frame[0] - hit.tilt.x * frame[2]), glm::normalize(frame[1] - hit.tilt.y * frame[2]),
+          glm::normalize(hit.tilt.x * frame[0] + hit.tilt.y * frame[1] + frame[2])};
 }
 
 template <class T>
@@ -290,8 +297,9 @@ void Evaluator::prepareEnvironment() {
 
 template <class T>
 glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light,
-                                              const glm::vec<3, T>& wo) const {
+                                              const glm::vec<3, T>& wo_ts) const {
   const Material& m = *material_;
+  const V3<T> wo = tilted(hit.tilt, wo_ts);
   if (wo.z <= 0) return V3<T>(0);
   if (m.mode == Mode::kSurface && m.surface) return evaluateSurfaceEnvironment(*m.surface, hit, light, wo);
   LODEN_CHECK_EQ(environment_tables_.size(), m.bands.size());
@@ -303,7 +311,7 @@ glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const Hemispher
     const T weight = windowWeight(m.bands[b].window, hit.lambda);
     if (weight > 0) ycc += weight * evaluateBandEnvironment(m.bands[b], environment_tables_[b], hit, at, light, mean);
   }
-  return {rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z};
+  return glm::max(V3<T>(rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z), V3<T>(0));
 }
 
 float lightFactorAt(const Material& material, const Band& band, const glm::vec2& p, const glm::vec3& wi) {
@@ -324,6 +332,8 @@ glm::vec4 tableValue(const Material& material, const Band& band, int quad, const
   return fetchTable(band, tableGrid(band, material.theta_max), quad, at);
 }
 
+template glm::mat3 hitFrame(const Hit<float>&, const glm::mat3&);
+template glm::dmat3 hitFrame(const Hit<double>&, const glm::dmat3&);
 template float parallaxFade(const Material&, float, const glm::vec<3, float>&);
 template double parallaxFade(const Material&, double, const glm::vec<3, double>&);
 template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup, Parallax,

@@ -34,6 +34,10 @@ enum class Parallax : uint32_t { kFull, kFaded };
 template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo);
 
+// The tangent frame at x (columns: tangent, bitangent, normal) turned to where the ray meets the tile. Mirrors loden_hit_frame.
+template <class T>
+glm::mat<3, 3, T> hitFrame(const Hit<T>& hit, const glm::mat<3, 3, T>& frame);
+
 // Keeps what is derived from a material: VDIM atlas (of Material::atlas), nearest-direction images. The material must
 // outlive it.
 class Evaluator {
@@ -56,8 +60,8 @@ class Evaluator {
 
   // Builds what evaluateEnvironment reads.
   void prepareEnvironment();
-  // evaluate() integrated with light from all around, over pi, the cosine of assets that leave it out included:
-  // radiance = pi * value_scale * this. After prepareEnvironment(), but for mode surface.
+  // evaluate() integrated with light from all around, over pi: radiance = pi * value_scale * this. Not negative. The light
+  // is that of hitFrame(hit, frame). After prepareEnvironment(), but for mode surface.
   template <class T>
   glm::vec<3, T> evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light, const glm::vec<3, T>& wo) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "material/asset.h"
 #include "material/environment.h"
 #include "material/issues.h"
 #include "runtime/shader_variants.h"
@@ -61,6 +62,8 @@ Issue limitIssue(const Material& material, const std::string& text) {
 int lightFactors(const Material& material) {
   return int(std::count_if(material.bands.begin(), material.bands.end(), [](const Band& band) { return band.light_quads > 0; }));
 }
+
+static_assert(ShaderLimits::kMaxBands == LODEN_MAX_BANDS && ShaderLimits::kMaxQuads == LODEN_MAX_QUADS);
 
 Status checkBands(const Material& material) {
   if (material.bands.empty()) return limitIssue(material, "a material without bands and surface maps cannot be drawn");

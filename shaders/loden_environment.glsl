@@ -3,7 +3,7 @@
 // With a light factor the ambient layer is one quad more.
 //
 // Use, once per pixel:
-//   LodenHemisphere light = loden_hemisphere_light(environment, frame);
+//   LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(h, frame));
 //   radiance += pi * value_scale * loden_evaluate_environment(m, h, light, wo_ts);
 
 // Light over the hemisphere of a tangent frame: linear RGB per basis function 1, z, x, y, xy, x^2 - y^2.
@@ -129,8 +129,9 @@ vec3 loden_evaluate_surface_environment(LodenHit hit, LodenHemisphere light, vec
 }
 #endif
 
-// loden_evaluate integrated over the hemisphere's light, over pi. Linear RGB.
+// loden_evaluate integrated over the hemisphere's light, over pi. Linear RGB, not negative.
 vec3 loden_evaluate_environment(LodenMaterial m, LodenHit hit, LodenHemisphere light, vec3 wo_ts) {
+  wo_ts = loden_tilted(hit.tilt, wo_ts);
   if (wo_ts.z <= 0.0) return vec3(0.0);
 #ifdef LODEN_MODE_SURFACE
   return loden_evaluate_surface_environment(hit, light, wo_ts);
@@ -139,6 +140,6 @@ vec3 loden_evaluate_environment(LodenMaterial m, LodenHit hit, LodenHemisphere l
   vec2 view = loden_grid_position(wo, loden_material.theta_max);
   mat3 mean = loden_evaluate_mean_environment(light, wo, view.y * float(LODEN_ENVIRONMENT_THETAS - 1));
   mat3 ycc = mean + loden_evaluate_bands_environment(hit, view, light, mean);
-  return vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b);
+  return max(vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b), 0.0);
 #endif
 }

@@ -105,7 +105,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
 #endif
     LodenVdimHit found = loden_vdim_lookup(m, x, wo);
     hit.p = mix(x, found.p, fade);
-    hit.depth = found.height * fade;
+    hit.depth = found.height * fade * min(2.0 * share, 1.0);
     hit.tilt = m.curvature * (inverse(m.x_from_tangent) * found.offset) * (fade * share);
     hit.missed = found.missed && fade * share >= 0.5;
   }
@@ -175,6 +175,12 @@ vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
 vec3 loden_tilted(vec2 tilt, vec3 w) {
   vec3 turned = vec3(w.xy - tilt * w.z, w.z + dot(tilt, w.xy));
   return turned / sqrt(dot(turned, turned));
+}
+
+// The tangent frame at x (columns: tangent, bitangent, normal) turned to where the ray meets the tile.
+mat3 loden_hit_frame(LodenHit hit, mat3 frame) {
+  return mat3(normalize(frame[0] - hit.tilt.x * frame[2]), normalize(frame[1] - hit.tilt.y * frame[2]),
+              normalize(hit.tilt.x * frame[0] + hit.tilt.y * frame[1] + frame[2]));
 }
 
 // Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's values

@@ -23,9 +23,8 @@ const int LODEN_LAYERS = 3, LODEN_CANDIDATES = 16;
 
 struct LodenVdimHit {
   vec2 p;        // unwrapped
-  vec3 position;  // tile periods
-  vec2 offset;    // of it from x
-  float height;   // of it, above the tangent plane at x
+  vec2 offset;    // of the point from x, tile periods
+  float height;   // of the point above the tangent plane at x
   bool converged;
   bool missed;    // the ray goes by a convex surface
 };
@@ -353,7 +352,6 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   vec2 base = floor(x);
   hit.p = found.xy + base;
   hit.offset = loden_ray_offset(ray, found.z);
-  hit.position = vec3(ray.x + hit.offset + base, loden_ray_z(ray, found.z));
   hit.height = found.z;
   return hit;
 }

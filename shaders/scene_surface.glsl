@@ -45,10 +45,10 @@ vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   return loden_evaluate(point.material, point.hit, wi, wo) * loden_material.surface.z;
 }
 
-// Radiance from the environment's light over the frame's hemisphere; not negative, which a fit may be where it undershoots.
+// Radiance from the environment's light over the frame's hemisphere.
 vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
-  LodenHemisphere light = loden_hemisphere_light(scene.environment, frame);
-  return max(loden_evaluate_environment(point.material, point.hit, light, wo), 0.0) * (LODEN_PI * loden_material.surface.z);
+  LodenHemisphere light = loden_hemisphere_light(scene.environment, loden_hit_frame(point.hit, frame));
+  return loden_evaluate_environment(point.material, point.hit, light, wo) * (LODEN_PI * loden_material.surface.z);
 }
 
 #else

@@ -55,7 +55,7 @@ void main() {
   m.x_from_tangent = mat2(X_FROM_TANGENT);
   LodenHit hit = loden_find_hit_at(m, x.xy, x.z, wo);
 #ifdef ENVIRONMENT
-  LodenHemisphere light = loden_hemisphere_light(environment, mat3(1.0));
+  LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(hit, mat3(1.0)));
   color = vec4(loden_evaluate_environment(m, hit, light, wo), hit.p.x);
 #else
   color = vec4(loden_evaluate(m, hit, wi, wo), hit.p.x);
@@ -92,7 +92,7 @@ constexpr glm::vec4 kEnvironment[9] = {{0.3f, -0.2f, 0.4f, 0.9f},  {0.2f, -0.3f,
                                        {0.1f, 0.2f, 0.5f, 0.8f},   {0.1f, 0.1f, -0.2f, 0}, {-0.1f, 0.1f, 0.2f, 0},
                                        {-0.4f, 0.1f, 0.2f, 0.6f}, {-0.2f, 0.3f, 0.0f, 0}, {0.05f, 0.2f, -0.1f, 0}};
 
-HemisphereLight hemisphereOfEnvironment() {
+HemisphereLight hemisphereOfEnvironment(const glm::mat3& frame) {
   EnvironmentLight light;
   for (int c = 0; c < 3; ++c) {
     const glm::vec4 *first = &kEnvironment[3 * c], &d = first[1], &o = first[2];
@@ -100,7 +100,7 @@ HemisphereLight hemisphereOfEnvironment() {
     light.constant[c] = first->w;
     light.quadratic[c] = glm::mat3(d.x, o.x, o.y, o.x, d.y, o.z, o.y, o.z, d.z);
   }
-  return hemisphereLight(light, glm::mat3(1));
+  return hemisphereLight(light, frame);
 }
 
 glm::vec3 upperDirection(std::mt19937& random) {
@@ -180,7 +180,7 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
 glm::vec3 evaluateAt(const Evaluator& evaluator, glm::vec2 x, const Sample& s, const Way& way) {
   const Hit<float> hit = evaluator.findHit(x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way));
   if (hit.missed) return glm::vec3(kMissed);
-  if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(), s.wo);
+  if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(hitFrame(hit, glm::mat3(1))), s.wo);
   return evaluator.evaluate(hit, s.wi, s.wo);
 }
 
@@ -277,6 +277,7 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
                         Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
                         Case{"fused, curved", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFaded, false, true}},
                         Case{"surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
+                        Case{"fused, curved, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true, true}},
                         Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
                         Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
                         Case{"fused, shadows apart", Mode::kFused, Preset::kGame, {}, true, Shadows::kSplit},

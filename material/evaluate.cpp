@@ -246,8 +246,8 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
     hit.fetches = 2;
   } else if ((lookup == Lookup::kFast || lookup == Lookup::kDefault) && !atlas_.depth.empty()) {
     const T fade = parallax == Parallax::kFaded ? parallaxFade(*material_, hit.lambda, wo) : T(1);
-    const T share = parameterShare(*material_, hit.lambda);
-    if (!(fade > 0 && share > 0)) return hit;
+    const T share = parameterShare(*material_, hit.lambda);  // 0 too while a fit has no bands yet, and looks p up for them
+    if (!(fade > 0)) return hit;
     const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
     const VdimHit<T> found = vdimLookup(atlas_, tier, x, wo, surface);
     hit.p = glm::mix(x, found.p, fade);

@@ -21,7 +21,7 @@ enum class Shadows {
 struct CookOptions {
   Mode mode = Mode::kFused;
   Preset preset = Preset::kGame;
-  int y_components = 0, cb_components = 0, cr_components = 0;  // 0: the preset's
+  int y_components = 0, cb_components = 0, cr_components = 0;  // all 0: the preset's
   Shadows shadows = Shadows::kJoint;
   int light_components = 0;  // of kSplit; 0: the preset's
   int levels = 0;            // 0: the preset's

@@ -42,10 +42,11 @@ struct ComponentCounts {
   int y, cb, cr;
 };
 
+// Components are given together: no chroma beside a number for Y means none.
 ComponentCounts countsOr(const CookOptions& options, ComponentCounts preset) {
-  return {options.y_components ? options.y_components : preset.y,
-          options.cb_components ? options.cb_components : preset.cb,
-          options.cr_components ? options.cr_components : preset.cr};
+  const ComponentCounts given{options.y_components, options.cb_components, options.cr_components};
+  if (given.y == 0 && given.cb == 0 && given.cr == 0) return preset;
+  return {given.y ? given.y : preset.y, given.cb, given.cr};
 }
 
 // Ma et al. 2005, section 3, as published: 3 x 3 box, nearest up-sampling, PCA per level, Phong mean and

@@ -92,6 +92,18 @@ TEST(CookLod, PacksAsPublished) {
   EXPECT_FALSE(packLod(*cookLod(source, options)).ok());
 }
 
+TEST(CookLod, TakesComponentsLiterally) {
+  CookOptions options;
+  options.mode = Mode::kLod;
+  options.preset = Preset::kSeed;
+  EXPECT_EQ(cookLod(parallaxSource(16), options)->bands[0].chroma_quads, 1) << "the preset's 8,2,2";
+  options.y_components = 4;
+  const auto m = cookLod(parallaxSource(16), options);
+  ASSERT_TRUE(m.ok());
+  EXPECT_EQ(m->bands[0].y_quads, 1);
+  EXPECT_EQ(m->bands[0].chroma_quads, 0);
+}
+
 TEST(CookLod, RefusesLevelsThatDoNotDivide) {
   CookOptions options;
   options.preset = Preset::kSeed;

@@ -48,10 +48,12 @@ void showProgress(const Options& options, int frame, int frames) {
   std::fprintf(stderr, "\rframe %d of %d%s", frame + 1, frames, frame + 1 == frames ? "\n" : "");
 }
 
-// To the far side of the scene; near enough planes for a room, in proportion for what is larger.
+// To the far side of the scene; near enough planes for a room, in proportion for what is larger, nearer before what is closer.
 DepthRange depthRange(const World& world, const Camera& camera) {
   const Bounds all = world.renderer->bounds();
   DepthRange range;
+  const glm::dvec3 nearest = glm::clamp(camera.position, glm::dvec3(all.min), glm::dvec3(all.max));
+  if (const double distance = glm::distance(camera.position, nearest); distance > 0) range.near_plane = std::min(range.near_plane, distance / 2);
   const double reach = glm::distance(camera.position, glm::dvec3(all.centre())) + double(all.radius());
   if (reach <= range.far_plane) return range;
   return {range.near_plane * reach / range.far_plane, reach};

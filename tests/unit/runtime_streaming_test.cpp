@@ -77,7 +77,7 @@ TEST_F(Loading, CancelDropsThePartInHand) {
   EXPECT_EQ(delivered[0].ticket.ref.part, 1u);
 }
 
-TEST_F(Loading, EndsInTheMiddleOfAPart) {
+TEST_F(Loading, EndDropsAllRequests) {
   auto threads = std::make_unique<LoadingThreads>();
   source->closed = true;
   threads->request(request(0, PartKind::kGeometry, kLong));

@@ -276,6 +276,28 @@ TEST(Trace, CameraThatLooksAlongItsUp_IsUsage) {
   EXPECT_EQ(loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--size", "8x6", "--camera", scratch / "camera.json", "-q"}).exit_code, 0);
 }
 
+#ifdef LODEN_WALK
+// From a centimetre above everything lies nearer than a room's near plane.
+TEST(Walk, CloseCamera_SeesWhatTraceSees) {
+  const ScratchFolder scratch;
+  ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", scratch / "bake", "--size", "16", "--directions", "3x3", "--supersample", "1", "-q"}).exit_code, 0);
+  ASSERT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "a.loden", "--mode", "surface", "-q"}).exit_code, 0);
+  writeText(scratch / "camera.json", R"({"position": [0, 0, 0.01], "target": [0, 0, 0], "up": [0, 1, 0]})");
+  const std::vector<std::string> common{"--surface", "plane", "--camera", scratch / "camera.json", "--light", "10,0", "--size", "32x32", "-q"};
+  std::vector<std::string> trace{"trace", "builtin:pulli", "-o", scratch / "truth.png", "--spp", "4"};
+  std::vector<std::string> walk{"--asset", scratch / "a.loden", "--headless", "--capture", scratch / "walk"};
+  trace.insert(trace.end(), common.begin(), common.end());
+  walk.insert(walk.end(), common.begin(), common.end());
+  ASSERT_EQ(loden(trace).exit_code, 0);
+  const ToolRun drawn = runTool(LODEN_WALK, walk);
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  const ToolRun run = loden({"compare", scratch / "truth.png", scratch / "walk/frame_0000.png", "--format", "json", "-q"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const double psnr = nlohmann::json::parse(run.out, nullptr, false)["all"]["psnr_db"];
+  EXPECT_GT(psnr, 15) << "a black picture is at some 10";
+}
+#endif
+
 TEST(Trace, BadCamera_IsUsageThatShowsTheForm) {
   const ScratchFolder scratch;
   writeText(scratch / "camera.json", R"({"position": [0, 1]})");

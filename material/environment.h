@@ -63,6 +63,14 @@ struct HemisphereLight {
 // Columns of the frame: tangent, bitangent, normal.
 HemisphereLight hemisphereLight(const EnvironmentLight& light, const glm::mat3& frame);
 
+// Lights over the hemisphere, midpoints of `rows` x 2 `rows`, equal in cos(theta) and phi.
+struct LightSample {
+  glm::dvec3 direction;
+  double measure;  // dw / pi, times what values there are multiplied by: Evaluator::evaluate's fade, or the cosine that assets leave out
+  std::array<double, kEnvironmentBasis> basis;
+};
+std::vector<LightSample> lightQuadrature(const Material& material, int rows);
+
 // Views at which T_k of a band is stored: those of its table's grid, or 6 x 25 where that has none.
 DirectionGrid environmentGrid(const Band& band, float theta_max);
 

@@ -14,24 +14,6 @@ constexpr int kFactorRows = 12, kFactorTexels = 16;  // of a light factor: quadr
 
 using Basis = std::array<double, kEnvironmentBasis>;
 
-Basis basisAt(const glm::dvec3& w) { return {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y}; }
-
-// What values at light w are multiplied by, beside the light itself: Evaluator::evaluate's fade, and the cosine of
-// assets that leave it out.
-double lightFactor(const Material& material, const glm::dvec3& w) {
-  return material.cosine_included ? std::min(w.z / std::cos(double(material.theta_max)), 1.0) : w.z;
-}
-
-// Calls visit(w, dw / pi * lightFactor) over the hemisphere: midpoints of `rows` x 2 `rows`, equal in cos(theta) and phi.
-template <class Visit>
-void integrate(const Material& material, int rows, const Visit& visit) {
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < 2 * rows; ++i) {
-      const glm::dvec3 w = directionFromSpherical({std::acos((j + 0.5) / rows), kPi * (i + 0.5) / rows});
-      visit(w, lightFactor(material, w) / (rows * rows));
-    }
-}
-
 // The lights at which tables are read: their own, or those of a grid that is finer than any measured set.
 DirectionGrid lightGrid(const Band& band, float theta_max) {
   return band.layout == TableLayout::kGrid ? tableGrid(band, theta_max) : DirectionGrid{11, 37, theta_max};
@@ -46,18 +28,17 @@ glm::vec3 gridDirection(const DirectionGrid& grid, int theta, int phi) {
 // interpolation, so that tables which are linear between the lights are integrated exactly.
 std::vector<Basis> nodeWeights(const Material& material, const DirectionGrid& grid) {
   std::vector<Basis> weights(size_t(grid.thetas) * grid.phis, Basis{});
-  integrate(material, kTableRows, [&](const glm::dvec3& w, double measure) {
+  for (const LightSample& light : lightQuadrature(material, kTableRows)) {
     const double theta_max = grid.theta_max;
-    const glm::dvec2 at = gridPosition(clampTheta(w, theta_max), theta_max) * glm::dvec2(grid.phis - 1, grid.thetas - 1);
+    const glm::dvec2 at = gridPosition(clampTheta(light.direction, theta_max), theta_max) * glm::dvec2(grid.phis - 1, grid.thetas - 1);
     const int phi = std::min(int(at.x), grid.phis - 2), theta = std::min(int(at.y), grid.thetas - 2);
-    const Basis basis = basisAt(w);
     for (int corner = 0; corner < 4; ++corner) {
       const int right = corner & 1, up = corner >> 1;
       const double share = (right ? at.x - phi : 1 - (at.x - phi)) * (up ? at.y - theta : 1 - (at.y - theta));
       Basis& node = weights[size_t(theta + up) * grid.phis + phi + right];
-      for (int k = 0; k < kEnvironmentBasis; ++k) node[k] += measure * share * basis[k];
+      for (int k = 0; k < kEnvironmentBasis; ++k) node[k] += light.measure * share * light.basis[k];
     }
-  });
+  }
   return weights;
 }
 
@@ -87,11 +68,8 @@ std::vector<glm::dvec4> integrals(const Material& material, const Band& band, co
 // it is given as a sum over the weights of its quads and of its ambient layer: the best one, by least squares over texels of the band itself.
 class FactorIntegrals {
  public:
-  FactorIntegrals(const Material& material, const Band& band) : m_(material), band_(band) {
-    integrate(material, kFactorRows, [&](const glm::dvec3& w, double measure) {
-      const glm::dvec3 light = clampTheta(w, double(material.theta_max));
-      lights_.push_back({light, measure, basisAt(w)});
-    });
+  FactorIntegrals(const Material& material, const Band& band) : m_(material), band_(band), lights_(lightQuadrature(material, kFactorRows)) {
+    for (LightSample& light : lights_) light.direction = clampTheta(light.direction, double(material.theta_max));
     const int side = std::min(kFactorTexels, band.weights.width);
     for (int t = 0; t < side * side; ++t) addTexel((glm::vec2(t % side, t / side) + 0.5f) / float(side));
     for (std::vector<double>* gram : {&y_gram_, &cb_gram_, &cr_gram_}) factorise(*gram);
@@ -125,11 +103,6 @@ class FactorIntegrals {
   }
 
  private:
-  struct Light {
-    glm::dvec3 direction;
-    double measure;
-    Basis basis;
-  };
   struct Texel {
     std::vector<double> luma, cb, cr;  // weights as stored: of Y, then of the ambient layer; of Cb; of Cr
     std::vector<double> factor;        // V per light
@@ -142,7 +115,7 @@ class FactorIntegrals {
       for (int c = 0; c < 4; ++c) texel.luma.push_back(layer(k < band_.y_quads ? k : band_.ambientLayer())[c]);
     for (int k = band_.y_quads; k < band_.quads(); ++k)
       for (int c = 0; c < 2; ++c) texel.cb.push_back(layer(k)[c]), texel.cr.push_back(layer(k)[2 + c]);
-    for (const Light& light : lights_) texel.factor.push_back(double(lightFactorAt(m_, band_, q, glm::vec3(light.direction))));
+    for (const LightSample& light : lights_) texel.factor.push_back(double(lightFactorAt(m_, band_, q, glm::vec3(light.direction))));
     addOuter(y_gram_, texel.luma), addOuter(cb_gram_, texel.cb), addOuter(cr_gram_, texel.cr);
     texels_.push_back(std::move(texel));
   }
@@ -150,7 +123,7 @@ class FactorIntegrals {
   // Per light the scaled table of all quads, and the mean's Y.
   std::vector<double> tableAt(const glm::vec3& view) const {
     std::vector<double> table;
-    for (const Light& light : lights_) {
+    for (const LightSample& light : lights_) {
       for (int quad = 0; quad < band_.quads(); ++quad) {
         const glm::vec4 value = tableValue(m_, band_, quad, glm::vec3(light.direction), view) * band_.quad_scale[size_t(quad)];
         for (int c = 0; c < 4; ++c) table.push_back(double(value[c]));
@@ -207,7 +180,7 @@ class FactorIntegrals {
 
   const Material& m_;
   const Band& band_;
-  std::vector<Light> lights_;
+  std::vector<LightSample> lights_;
   std::vector<Texel> texels_;
   std::vector<double> y_gram_, cb_gram_, cr_gram_;
 };
@@ -215,6 +188,18 @@ class FactorIntegrals {
 int environmentQuads(const Band& band) { return band.quads() + (band.light_quads > 0 ? 1 : 0); }
 
 }  // namespace
+
+std::vector<LightSample> lightQuadrature(const Material& material, int rows) {
+  std::vector<LightSample> samples;
+  samples.reserve(size_t(2) * size_t(rows) * size_t(rows));
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < 2 * rows; ++i) {
+      const glm::dvec3 w = directionFromSpherical({std::acos((j + 0.5) / rows), kPi * (i + 0.5) / rows});
+      const double faded = material.cosine_included ? std::min(w.z / std::cos(double(material.theta_max)), 1.0) : w.z;
+      samples.push_back({w, faded / (rows * rows), {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y}});
+    }
+  return samples;
+}
 
 DirectionGrid environmentGrid(const Band& band, float theta_max) {
   return band.layout == TableLayout::kGrid ? tableGrid(band, theta_max) : DirectionGrid{6, 25, theta_max};
@@ -254,15 +239,14 @@ EnvironmentMean environmentMean(const Material& material) {
   std::array<glm::dvec4, kEnvironmentThetas> rows{};
   glm::dvec2 unit(0);
   const DirectionGrid views{kEnvironmentThetas, 2, material.theta_max};
-  integrate(material, kMeanRows, [&](const glm::dvec3& w, double measure) {
-    const Basis basis = basisAt(w);
+  for (const auto& [w, measure, basis] : lightQuadrature(material, kMeanRows)) {
     const glm::dvec3 light = clampTheta(w, double(material.theta_max));
     unit += measure * glm::dvec2(basis[0], basis[1]);
     for (int row = 0; row < kEnvironmentThetas; ++row) {
       const double y = evaluateMean(material.mean, light, glm::dvec3(gridDirection(views, row, 0))).x;
       rows[row] += measure * y * glm::dvec4(basis[0], basis[1], basis[2], basis[5]);
     }
-  });
+  }
   for (int row = 0; row < kEnvironmentThetas; ++row) result.rows[row] = glm::vec4(rows[row]);
   result.unit = glm::vec2(unit);
   return result;

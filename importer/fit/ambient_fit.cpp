@@ -18,7 +18,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 
-constexpr int kRows = 8;             // of the quadrature over lights: kRows x 2 kRows, equal in cos(theta) and phi
+constexpr int kRows = 8;             // of the quadrature over lights
+constexpr int kAround = 2;           // functions of the basis that do not turn with the light around the normal: 1 and z
 constexpr int kMostTexels = 1 << 12;  // that the components are found from
 constexpr int kTexelsAtOnce = 256;
 constexpr double kLinearShare = 0.5;  // weight of what depends on where the light comes from around the normal
@@ -27,15 +28,11 @@ constexpr double kLinearShare = 0.5;  // weight of what depends on where the lig
 class Integrals {
  public:
   Integrals(const Material& material, const Band& band) : m_(material), band_(band), basis_(2 * kRows * kRows, kEnvironmentBasis) {
-    for (int j = 0; j < kRows; ++j)
-      for (int i = 0; i < 2 * kRows; ++i) {
-        const glm::dvec3 w = directionFromSpherical({std::acos((j + 0.5) / kRows), kPi * (i + 0.5) / kRows});
-        lights_.push_back(clampTheta(w, double(m_.theta_max)));
-        const double faded = m_.cosine_included ? std::min(w.z / std::cos(double(m_.theta_max)), 1.0) : w.z;
-        const double measure = faded / (kRows * kRows);
-        const double s = kLinearShare * measure;
-        basis_.row(Index(lights_.size()) - 1) << measure, measure * w.z, s * w.x, s * w.y, s * w.x * w.y, s * (w.x * w.x - w.y * w.y);
-      }
+    for (const LightSample& light : lightQuadrature(material, kRows)) {
+      for (int k = 0; k < kEnvironmentBasis; ++k)
+        basis_(Index(lights_.size()), k) = light.measure * (k < kAround ? 1 : kLinearShare) * light.basis[size_t(k)];
+      lights_.push_back(clampTheta(light.direction, double(m_.theta_max)));
+    }
     const DirectionGrid grid = environmentGrid(band, m_.theta_max);
     for (int row = 0; row < grid.thetas; ++row)
       for (int column = 0; column + 1 < grid.phis && (row > 0 || column == 0); ++column)

@@ -16,6 +16,7 @@
 #include "importer/tile_internal.h"
 #include "material/color.h"
 #include "material/confined_path.h"
+#include "material/gltf_extensions.h"
 #include "material/issues.h"
 
 namespace loden::importer {
@@ -53,31 +54,26 @@ bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned ch
 
 struct ComponentKind {
   size_t bytes;
-  double normaliser;  // of normalised integers
+  double (*read)(const unsigned char* at);
+  double normaliser;  // of normalised integers, which end at -1
 };
+
+template <class Raw>
+double readAs(const unsigned char* at) {
+  Raw value;
+  return std::memcpy(&value, at, sizeof value), double(value);
+}
 
 std::optional<ComponentKind> componentKind(int type) {
   switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return ComponentKind{1, 255};
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return ComponentKind{2, 65535};
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return ComponentKind{4, 4294967295.0};
-    case TINYGLTF_COMPONENT_TYPE_FLOAT: return ComponentKind{4, 1};
+    case TINYGLTF_COMPONENT_TYPE_BYTE: return ComponentKind{1, readAs<int8_t>, 127};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return ComponentKind{1, readAs<uint8_t>, 255};
+    case TINYGLTF_COMPONENT_TYPE_SHORT: return ComponentKind{2, readAs<int16_t>, 32767};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return ComponentKind{2, readAs<uint16_t>, 65535};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return ComponentKind{4, readAs<uint32_t>, 4294967295.0};
+    case TINYGLTF_COMPONENT_TYPE_FLOAT: return ComponentKind{4, readAs<float>, 1};
     default: return std::nullopt;
   }
-}
-
-double component(const unsigned char* at, int type) {
-  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *at;
-  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
-    uint16_t value;
-    return std::memcpy(&value, at, sizeof value), value;
-  }
-  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
-    uint32_t value;
-    return std::memcpy(&value, at, sizeof value), value;
-  }
-  float value;
-  return std::memcpy(&value, at, sizeof value), value;
 }
 
 class GltfMeshReader {
@@ -169,8 +165,8 @@ Result<std::vector<double>> GltfMeshReader::accessor(int index, int channels, co
   const unsigned char* first = bytes.data() + view.byteOffset + a.byteOffset;
   for (size_t e = 0; e < a.count; ++e)
     for (int c = 0; c < channels; ++c) {
-      const double value = component(first + e * stride + size_t(c) * kind->bytes, a.componentType);
-      values.push_back(a.normalized ? value / kind->normaliser : value);
+      const double value = kind->read(first + e * stride + size_t(c) * kind->bytes);
+      values.push_back(a.normalized ? std::max(value / kind->normaliser, -1.0) : value);
     }
   return values;
 }
@@ -286,9 +282,13 @@ Status GltfMeshReader::addBrdfs(const tinygltf::Primitive& primitive, size_t ver
 }
 
 Status checkRequired(const nlohmann::ordered_json& json, const std::string& name) {
-  if (arraySize(json, "extensionsRequired") == 0) return {};
-  return Issue{issue_id::kGltfRequired, Severity::kError, name + ": extensionsRequired",
-               json["extensionsRequired"].dump() + " is needed to read this file and not supported; export without"};
+  for (size_t k = 0; k < arraySize(json, "extensionsRequired"); ++k) {
+    const nlohmann::ordered_json& extension = json["extensionsRequired"][k];
+    if (extension.is_string() && isSupportedGltfExtension(extension.get_ref<const std::string&>())) continue;
+    return Issue{issue_id::kGltfRequired, Severity::kError, name + ": extensionsRequired",
+                 extension.dump() + " is needed to read this file and not supported; export without"};
+  }
+  return {};
 }
 
 }  // namespace

@@ -271,6 +271,28 @@ TEST(TileGltf, NodesOfAnyScaleKeepAuthoredNormals) {
   for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, {0, 0, 1}), 1e-7);
 }
 
+TEST(TileGltf, ReadsQuantizedMeshes) {
+  const TemporaryFolder folder;
+  constexpr int8_t kNormals[] = {76, 102, 0, 0, 76, 102, 0, 0, 76, 102, 0, 0, 76, 102, 0, 0};  // y is up; in steps of four bytes
+  constexpr int16_t kPositions[] = {-32768, 0, 32767, 0, 32767, 0, 32767, 0, 32767, 0, -32767, 0, -32767, 0, -32767, 0};
+  auto json = gltfTile();
+  json["extensionsUsed"] = json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  const auto add = [&](const void* data, size_t bytes, int stride, int type, const char* attribute) {
+    const auto view = json["bufferViews"].size();
+    json["buffers"].push_back({{"byteLength", bytes}, {"uri", "data:application/octet-stream;base64," + base64({static_cast<const char*>(data), bytes})}});
+    json["bufferViews"].push_back({{"buffer", json["buffers"].size() - 1}, {"byteLength", bytes}, {"byteStride", stride}});
+    json["meshes"][0]["primitives"][0]["attributes"][attribute] = json["accessors"].size();
+    json["accessors"].push_back({{"bufferView", view}, {"componentType", type}, {"normalized", true}, {"count", 4}, {"type", "VEC3"}});
+  };
+  add(kNormals, sizeof kNormals, 4, 5120, "NORMAL");
+  add(kPositions, sizeof kPositions, 8, 5122, "POSITION");
+  json["nodes"][0]["scale"] = {0.5, 0.5, 0.5}, json["nodes"][0]["translation"] = {0.5, 0, 0.5};
+  const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
+  ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
+  EXPECT_TRUE(tile->identity_parameterization);
+  for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, glm::normalize(glm::dvec3(76, 0, 102))), 1e-7);
+}
+
 TEST(TileObj, NormalsMayHaveAnyLength) {
   const TemporaryFolder folder;
   const auto path = folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn .006 0 .008\nf 1/1/1 2/2/1 3/3/1 4/4/1\n");

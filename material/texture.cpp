@@ -26,18 +26,13 @@ struct FormatTraits {
 
 constexpr FormatTraits kFormats[] = {
     {TexelFormat::kR8Unorm, "R8_UNORM", 1, 1, Encoding::kUnorm},
-    {TexelFormat::kR8Snorm, "R8_SNORM", 1, 1, Encoding::kSnorm},
     {TexelFormat::kRG8Unorm, "R8G8_UNORM", 2, 1, Encoding::kUnorm},
-    {TexelFormat::kRG8Snorm, "R8G8_SNORM", 2, 1, Encoding::kSnorm},
     {TexelFormat::kRGBA8Unorm, "R8G8B8A8_UNORM", 4, 1, Encoding::kUnorm},
     {TexelFormat::kRGBA8Snorm, "R8G8B8A8_SNORM", 4, 1, Encoding::kSnorm},
-    {TexelFormat::kR16Unorm, "R16_UNORM", 1, 2, Encoding::kUnorm},
-    {TexelFormat::kRG16Unorm, "R16G16_UNORM", 2, 2, Encoding::kUnorm},
     {TexelFormat::kRG16Snorm, "R16G16_SNORM", 2, 2, Encoding::kSnorm},
     {TexelFormat::kRGBA16Unorm, "R16G16B16A16_UNORM", 4, 2, Encoding::kUnorm},
     {TexelFormat::kRGBA16Snorm, "R16G16B16A16_SNORM", 4, 2, Encoding::kSnorm},
     {TexelFormat::kRGBA16Sfloat, "R16G16B16A16_SFLOAT", 4, 2, Encoding::kFloat},
-    {TexelFormat::kRG32Sfloat, "R32G32_SFLOAT", 2, 4, Encoding::kFloat},
     {TexelFormat::kRGBA32Sfloat, "R32G32B32A32_SFLOAT", 4, 4, Encoding::kFloat},
 };
 
@@ -121,20 +116,12 @@ inline auto withDecoder(TexelFormat format, const Use& use) {
   switch (format) {
     case TexelFormat::kR8Unorm:
       return use(Decoder<Unorm8, 1>());
-    case TexelFormat::kR8Snorm:
-      return use(Decoder<Snorm8, 1>());
     case TexelFormat::kRG8Unorm:
       return use(Decoder<Unorm8, 2>());
-    case TexelFormat::kRG8Snorm:
-      return use(Decoder<Snorm8, 2>());
     case TexelFormat::kRGBA8Unorm:
       return use(Decoder<Unorm8, 4>());
     case TexelFormat::kRGBA8Snorm:
       return use(Decoder<Snorm8, 4>());
-    case TexelFormat::kR16Unorm:
-      return use(Decoder<Unorm16, 1>());
-    case TexelFormat::kRG16Unorm:
-      return use(Decoder<Unorm16, 2>());
     case TexelFormat::kRG16Snorm:
       return use(Decoder<Snorm16, 2>());
     case TexelFormat::kRGBA16Unorm:
@@ -143,8 +130,6 @@ inline auto withDecoder(TexelFormat format, const Use& use) {
       return use(Decoder<Snorm16, 4>());
     case TexelFormat::kRGBA16Sfloat:
       return use(Decoder<Float16, 4>());
-    case TexelFormat::kRG32Sfloat:
-      return use(Decoder<Float32, 2>());
     case TexelFormat::kRGBA32Sfloat:
       return use(Decoder<Float32, 4>());
   }

@@ -13,18 +13,13 @@ namespace loden {
 // VkFormat numbers; stock GPU formats only.
 enum class TexelFormat : uint32_t {
   kR8Unorm = 9,
-  kR8Snorm = 10,
   kRG8Unorm = 16,
-  kRG8Snorm = 17,
   kRGBA8Unorm = 37,
   kRGBA8Snorm = 38,
-  kR16Unorm = 70,
-  kRG16Unorm = 77,
   kRG16Snorm = 78,
   kRGBA16Unorm = 91,
   kRGBA16Snorm = 92,
   kRGBA16Sfloat = 97,
-  kRG32Sfloat = 103,
   kRGBA32Sfloat = 109,
 };
 

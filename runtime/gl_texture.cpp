@@ -18,18 +18,13 @@ GlFormat glFormat(const PartTexture& part) {
   if (part.plain_2d) return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
   switch (part.texels.format) {
     case TexelFormat::kR8Unorm: return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
-    case TexelFormat::kR8Snorm: return {GL_R8_SNORM, GL_RED, GL_BYTE};
     case TexelFormat::kRG8Unorm: return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
-    case TexelFormat::kRG8Snorm: return {GL_RG8_SNORM, GL_RG, GL_BYTE};
     case TexelFormat::kRGBA8Unorm: return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
     case TexelFormat::kRGBA8Snorm: return {GL_RGBA8_SNORM, GL_RGBA, GL_BYTE};
-    case TexelFormat::kR16Unorm: return {GL_R16, GL_RED, GL_UNSIGNED_SHORT};
-    case TexelFormat::kRG16Unorm: return {GL_RG16, GL_RG, GL_UNSIGNED_SHORT};
     case TexelFormat::kRG16Snorm: return {GL_RG16_SNORM, GL_RG, GL_SHORT};
     case TexelFormat::kRGBA16Unorm: return {GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
     case TexelFormat::kRGBA16Snorm: return {GL_RGBA16_SNORM, GL_RGBA, GL_SHORT};
     case TexelFormat::kRGBA16Sfloat: return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-    case TexelFormat::kRG32Sfloat: return {GL_RG32F, GL_RG, GL_FLOAT};
     case TexelFormat::kRGBA32Sfloat: return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
   }
   LODEN_CHECK(!"texel format without a GL format");

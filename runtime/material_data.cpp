@@ -27,32 +27,35 @@ glm::vec4 windowData(const Window& w) {
 LodenBandData bandData(const Band& band) {
   LodenBandData data{};
   data.window = windowData(band.window);
-  data.mip = {band.lambda_first, float(band.weights.mips - 1), band.weights.width, 1.0f / float(band.table.depth)};
+  data.lambda_first = band.lambda_first, data.last_mip = float(band.weights.mips - 1);
+  data.side = float(band.weights.width), data.per_table_depth = 1.0f / float(band.table.depth);
   const DirectionGrid grid = environmentGrid(band, 0);  // the table's, where that has one
-  data.grid = {grid.thetas, grid.phis, 1.0f / float(grid.thetas * grid.thetas), 1.0f / float(grid.phis)};
-  int bits = 0;
-  if (band.domain == Domain::kFlat) bits |= LODEN_BAND_FLAT;
-  if (band.filter == WeightFilter::kLinear) bits |= LODEN_BAND_LINEAR;
-  if (band.ratio) bits |= LODEN_BAND_RATIO;
-  if (band.light_quads > 0) bits |= LODEN_BAND_LIGHT;
-  data.layout_ = {bits, band.y_quads, band.chroma_quads, band.quads()};
-  data.light = {band.light_table.height, band.light_table.width, band.light_quads, band.lightLayer()};
+  data.grid = {grid.thetas, grid.phis};
+  data.per_grid = {1.0f / float(grid.thetas * grid.thetas), 1.0f / float(grid.phis)};
+  if (band.domain == Domain::kFlat) data.bits |= LODEN_BAND_FLAT;
+  if (band.filter == WeightFilter::kLinear) data.bits |= LODEN_BAND_LINEAR;
+  if (band.ratio) data.bits |= LODEN_BAND_RATIO;
+  if (band.light_quads > 0) data.bits |= LODEN_BAND_LIGHT;
+  data.y_quads = band.y_quads, data.chroma_quads = band.chroma_quads, data.ratio_layer = band.quads();
+  data.light_thetas = band.light_table.height, data.light_phis = band.light_table.width;
+  data.light_quads = band.light_quads, data.light_layer = band.lightLayer();
   std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
-  data.ratio_scale = {band.ratio_scale.x, band.ratio_scale.y, 1, 0};
+  data.ratio_scale = band.ratio_scale;
+  data.rest_share = 1;
   return data;
 }
 
 // Reads the leading part's textures.
 void readLead(LodenBandData& data, const Band& band) {
-  data.layout_ = {data.layout_.x, band.lead_quads, 0, band.lead_quads};
-  data.mip.w *= float(band.quads()) / float(band.lead_quads);
+  data.y_quads = data.ratio_layer = band.lead_quads, data.chroma_quads = 0;
+  data.per_table_depth *= float(band.quads()) / float(band.lead_quads);
 }
 
 // The quads behind the leading ones count by `share`.
 void fadeRest(LodenBandData& data, const Band& band, float share) {
   for (int quad = band.lead_quads; quad < band.quads(); ++quad) data.quad_scale[quad] = band.quad_scale[size_t(quad)] * share;
-  data.ratio_scale.z = share;
-  data.ratio_scale.w = float(band.lead_quads);
+  data.rest_share = share;
+  data.first_rest = float(band.lead_quads);
 }
 
 Issue limitIssue(const Material& material, const std::string& text) {
@@ -113,26 +116,26 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup)
 
 LodenMaterialData makeMaterialData(const Material& m) {
   LodenMaterialData data{};
-  int bits = 0;
-  if (m.mean.chroma == MeanChroma::kRatio) bits |= LODEN_MEAN_RATIO;
-  if (m.cosine_included) bits |= LODEN_COSINE_INCLUDED;
-  if (m.geometry.identity_parameterization) bits |= LODEN_IDENTITY;
-  if (m.mode == Mode::kLod) bits |= LODEN_CLAMP_LAMBDA;
-  if (m.surface && m.surface->specular_scale > kLeastSpecular) bits |= LODEN_SPECULAR;
-  data.flags = {bits, int(m.bands.size()), 0, 0};
+  if (m.mean.chroma == MeanChroma::kRatio) data.bits |= LODEN_MEAN_RATIO;
+  if (m.cosine_included) data.bits |= LODEN_COSINE_INCLUDED;
+  if (m.geometry.identity_parameterization) data.bits |= LODEN_IDENTITY;
+  if (m.mode == Mode::kLod) data.bits |= LODEN_CLAMP_LAMBDA;
+  if (m.surface && m.surface->specular_scale > kLeastSpecular) data.bits |= LODEN_SPECULAR;
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
-  data.mean_chroma = {m.mean.cb, m.mean.cr, 0, 0};
+  data.mean_chroma = {m.mean.cb, m.mean.cr};
   data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
-  data.geometry = {packedRange(m.geometry), m.geometry.side()};
-  data.surface = {m.surface ? m.surface->specular_scale : 1, m.side, m.value_scale, m.lambda_max};
-  if (m.stored_vdim)
-    data.paper = {m.stored_vdim->range, m.stored_vdim->zeniths, m.stored_vdim->azimuths};
+  data.geometry_range = packedRange(m.geometry), data.geometry_side = float(m.geometry.side());
+  if (m.stored_vdim) {
+    data.paper_range = m.stored_vdim->range;
+    data.paper_size = {m.stored_vdim->zeniths, m.stored_vdim->azimuths};
+  }
+  data.value_scale = m.value_scale, data.side = float(m.side), data.lambda_max = m.lambda_max;
+  if (m.surface) data.specular_scale = m.surface->specular_scale, data.surface_lambda = m.surface->lambda_first;
   if (!m.bands.empty()) {
     const EnvironmentMean mean = environmentMean(m);
     std::copy(mean.rows.begin(), mean.rows.end(), data.environment_mean);
-    data.environment_unit = {mean.unit, 0, 0};
+    data.environment_unit = mean.unit;
   }
-  if (m.surface) data.environment_unit.z = m.surface->lambda_first;
   for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b) data.bands[b] = bandData(m.bands[b]);
   return data;
 }
@@ -150,11 +153,10 @@ float coarsestShare(const Material& material, const ResidentState& state) {
 }
 
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state) {
-  data.mean_chroma.z = std::max(std::min(state.lambda, coarsestLevel(material)), material.lambda_min);
-  data.mean_chroma.w = state.atlas.texels > 0 ? 1 : 0;
-  data.flags.z = state.atlas.texels;
-  data.flags.w = state.atlas.directions;
-  if (material.surface) data.environment_unit.z = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
+  data.resident_lambda = std::max(std::min(state.lambda, coarsestLevel(material)), material.lambda_min);
+  data.geometry_resident = state.atlas.texels > 0 ? 1 : 0;
+  data.atlas_texels = state.atlas.texels, data.atlas_directions = state.atlas.directions;
+  if (material.surface) data.surface_lambda = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
   // A band that is needed at every lambda has no window to come in by: its weight follows the published
   // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
   const float share = coarsestShare(material, state);

@@ -102,7 +102,7 @@ void MaterialGpu::create(SharedTextures& shared) {
 
 void MaterialGpu::createSurfaceStandIns() {
   const PhongMean& mean = material_->mean;
-  const float scale = data_.surface.x;
+  const float scale = data_.specular_scale;
   const glm::vec4 specular{scale > 0 ? mean.ks / scale : 0, std::log2(std::max(mean.alpha, 1.0f)) / 12, 0, 1};
   stand_ins_.clear();
   const auto add = [this](int unit, TexelFormat format, const glm::vec4& value) {

@@ -34,10 +34,10 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
   LODEN_COUNT(LODEN_UNIT_TABLE(LODEN_BANDS) + band, 1);
   return texelFetch(loden_table[band], ivec3(at.light_index, at.view_index, quad), 0);
 #else
-  vec4 grid = loden_material.bands[band].grid;
+  vec2 grid = loden_material.bands[band].grid;
   vec2 light = at.light * (grid.yx - 1.0), view = at.view * (grid.yx - 1.0);
   float row = min(floor(view.y), grid.x - 2.0);
-  vec3 texel_size = vec3(grid.wz, loden_material.bands[band].mip.w);
+  vec3 texel_size = vec3(loden_material.bands[band].per_grid.yx, loden_material.bands[band].per_table_depth);
   vec3 texel = vec3(light.x + 0.5, row * grid.x + light.y + 0.5, float(quad) * grid.y + view.x + 0.5);
   LODEN_COUNT(LODEN_UNIT_TABLE(LODEN_BANDS) + band, 2);
   vec4 below = textureLod(loden_table[band], texel * texel_size, 0.0);
@@ -49,8 +49,8 @@ vec4 loden_fetch_table(int band, int quad, LodenTablePosition at) {
 vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
   LODEN_COUNT(LODEN_UNIT_WEIGHTS + band, 1);
 #ifdef LODEN_TABLES_NEAREST
-  if ((loden_material.bands[band].layout_.x & LODEN_BAND_LINEAR) == 0) {
-    float side = loden_material.bands[band].mip.z;
+  if ((loden_material.bands[band].bits & LODEN_BAND_LINEAR) == 0) {
+    float side = loden_material.bands[band].side;
     return texelFetch(loden_weights[band], ivec3(ivec2(min(floor(fract(q) * side), vec2(side - 1.0))), layer), 0);
   }
 #endif
@@ -60,19 +60,20 @@ vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
 #ifdef LODEN_LIGHT_FACTOR
 // Share of the light that reaches the point, 0..1.
 float loden_light_factor(int band, vec2 q, float lod, LodenTablePosition at) {
-  ivec4 light = loden_material.bands[band].light;
-  int first_scale = loden_material.bands[band].layout_.y + loden_material.bands[band].layout_.z;
-  vec2 texel = at.light * vec2(light.yx - 1) + 0.5;
-  vec3 position = vec3(texel, 0.5) / vec3(light.yxz);
+  int quads = loden_material.bands[band].light_quads;
+  int first_layer = loden_material.bands[band].light_layer;
+  int first_scale = loden_material.bands[band].y_quads + loden_material.bands[band].chroma_quads;
+  vec2 size = vec2(loden_material.bands[band].light_phis, loden_material.bands[band].light_thetas);
+  vec3 position = vec3(at.light * (size - 1.0) + 0.5, 0.5) / vec3(size, float(quads));
   float sum = 0.0;
   int quad = 0;
   do {
     LODEN_COUNT(LODEN_UNIT_LIGHT_TABLE, 1);
-    vec4 product = loden_fetch_weights(band, light.w + quad, q, lod) * textureLod(loden_light_table, position, 0.0) *
+    vec4 product = loden_fetch_weights(band, first_layer + quad, q, lod) * textureLod(loden_light_table, position, 0.0) *
                    loden_material.bands[band].quad_scale[first_scale + quad];
-    position.z += 1.0 / float(light.z);
+    position.z += 1.0 / float(quads);
     sum += product.x + product.y + product.z + product.w;
-  } while (++quad < light.z);
+  } while (++quad < quads);
   return clamp(sum, 0.0, 1.0);
 }
 #endif
@@ -80,39 +81,46 @@ float loden_light_factor(int band, vec2 q, float lod, LodenTablePosition at) {
 // (Y, Cb, Cr) that one band adds at full weight. The loop has a dynamic bound on purpose: renderers that run
 // both sides of every branch still skip iterations.
 vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mean) {
-  ivec4 layout_ = loden_material.bands[band].layout_;
-  vec2 q = (layout_.x & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
-  vec2 mip = loden_material.bands[band].mip.xy;
-  float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
-  int quads = layout_.y + layout_.z;
+  int bits = loden_material.bands[band].bits;
+  vec2 q = (bits & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
+  float lod = clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
+  int y_quads = loden_material.bands[band].y_quads;
+  int quads = y_quads + loden_material.bands[band].chroma_quads;
   vec3 sum = vec3(0.0);
   int quad = 0;
   do {
     vec4 product = loden_fetch_weights(band, quad, q, lod) * loden_fetch_table(band, quad, at) *
                    loden_material.bands[band].quad_scale[quad];
     vec2 halves = vec2(product.x + product.y, product.z + product.w);
-    sum += quad < layout_.y ? vec3(halves.x + halves.y, 0.0, 0.0) : vec3(0.0, halves);
+    sum += quad < y_quads ? vec3(halves.x + halves.y, 0.0, 0.0) : vec3(0.0, halves);
   } while (++quad < quads);
-  if ((layout_.x & LODEN_BAND_RATIO) != 0) {
-    vec2 ratio = loden_fetch_weights(band, layout_.w, q, lod).xy * loden_material.bands[band].ratio_scale.xy;
+  if ((bits & LODEN_BAND_RATIO) != 0) {
+    vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy * loden_material.bands[band].ratio_scale;
     sum.yz += ratio * (sum.x + mean.x) - mean.yz;
   }
 #ifdef LODEN_LIGHT_FACTOR
-  if ((layout_.x & LODEN_BAND_LIGHT) != 0) sum = loden_light_factor(band, q, lod, at) * (mean + sum) - mean;
+  if ((bits & LODEN_BAND_LIGHT) != 0) sum = loden_light_factor(band, q, lod, at) * (mean + sum) - mean;
 #endif
   return sum;
+}
+
+// The finest band whose window is open; none: the coarsest.
+int loden_finest_band(float lambda) {
+  int finest = LODEN_BANDS - 1;
+#ifdef LODEN_NO_BRANCH
+  finest = 0;
+#else
+  for (int b = LODEN_BANDS - 1; b >= 0; --b)
+    finest = loden_window_weight(loden_material.bands[b].window, lambda) > 0.0 ? b : finest;
+#endif
+  return finest;
 }
 
 // All bands whose window is open at the hit's lambda, from the coarsest to the finest that is needed, so that
 // the band index is the same for all invocations that execute an iteration (dynamically uniform).
 vec3 loden_evaluate_bands(LodenHit hit, LodenTablePosition at, vec3 mean) {
   float lambda = hit.lambda;
-  int finest = LODEN_BANDS - 1;
-  for (int b = LODEN_BANDS - 1; b >= 0; --b)
-    finest = loden_window_weight(loden_material.bands[b].window, lambda) > 0.0 ? b : finest;
-#ifdef LODEN_NO_BRANCH
-  finest = 0;
-#endif
+  int finest = loden_finest_band(lambda);
   vec3 sum = vec3(0.0);
   int band = LODEN_BANDS - 1;
   do {

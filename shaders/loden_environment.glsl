@@ -37,28 +37,27 @@ LodenHemisphere loden_hemisphere_light(vec4 environment[9], mat3 frame) {
 mat3 loden_evaluate_mean_environment(LodenHemisphere light, vec3 wo, float row) {
   int below = min(int(row), LODEN_ENVIRONMENT_THETAS - 2);
   vec4 t = mix(loden_material.environment_mean[below], loden_material.environment_mean[below + 1], row - float(below));
-  vec2 unit = loden_material.environment_unit.xy;
+  vec2 unit = loden_material.environment_unit;
   float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
   vec2 along = sine > 1e-6 ? wo.xy / sine : vec2(1.0, 0.0);
   vec3 y = light.c[0] * t.x + light.c[1] * t.y + (light.c[2] * along.x + light.c[3] * along.y) * t.z +
            (light.c[4] * (along.x * along.y) + light.c[5] * (along.x * along.x - along.y * along.y)) * t.w;
-  bool ratio = (loden_material.flags.x & LODEN_MEAN_RATIO) != 0;
+  bool ratio = (loden_material.bits & LODEN_MEAN_RATIO) != 0;
   vec3 chroma = ratio ? y : light.c[0] * unit.x + light.c[1] * unit.y;
   return transpose(mat3(y, chroma * loden_material.mean_chroma.x, chroma * loden_material.mean_chroma.y));
 }
 
 // What one band adds at full weight; `view` as in LodenTablePosition.
 mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHemisphere light, mat3 mean) {
-  ivec4 layout_ = loden_material.bands[band].layout_;
-  vec2 q = (layout_.x & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
-  vec2 mip = loden_material.bands[band].mip.xy;
-  float lod = clamp(hit.lambda - mip.x, 0.0, mip.y);
-  int quads = layout_.y + layout_.z;
-  vec4 ratio_scale = loden_material.bands[band].ratio_scale;
+  int bits = loden_material.bands[band].bits;
+  vec2 q = (bits & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
+  float lod = clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
+  int y_quads = loden_material.bands[band].y_quads;
+  int quads = y_quads + loden_material.bands[band].chroma_quads;
 #ifdef LODEN_LIGHT_FACTOR
   int own = quads;  // the ambient layer comes behind, and adds to Y
-  ivec4 factor = loden_material.bands[band].light;
-  quads += factor.z > 0 ? 1 : 0;
+  int ambient_layer = loden_material.bands[band].light_layer + loden_material.bands[band].light_quads;
+  quads += (bits & LODEN_BAND_LIGHT) != 0 ? 1 : 0;
 #endif
   vec2 size = loden_material.bands[band].grid.yx;
   vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
@@ -76,13 +75,13 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
       blue += light.c[k].b * texel;
     }
 #ifdef LODEN_LIGHT_FACTOR
-    vec4 weights = loden_fetch_weights(band, quad < own ? quad : factor.w + factor.z, q, lod);
-    bool luminance = quad < layout_.y || quad >= own;
+    vec4 weights = loden_fetch_weights(band, quad < own ? quad : ambient_layer, q, lod);
+    bool luminance = quad < y_quads || quad >= own;
 #else
     vec4 weights = loden_fetch_weights(band, quad, q, lod);
-    bool luminance = quad < layout_.y;
+    bool luminance = quad < y_quads;
 #endif
-    weights *= float(quad) < ratio_scale.w ? 1.0 : ratio_scale.z;
+    weights *= float(quad) < loden_material.bands[band].first_rest ? 1.0 : loden_material.bands[band].rest_share;
     red *= weights;
     green *= weights;
     blue *= weights;
@@ -90,8 +89,8 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
                        blue.x + blue.y, blue.z + blue.w);
     for (int c = 0; c < 3; ++c) sum[c] += luminance ? vec3(halves[c].y + halves[c].z, 0.0, 0.0) : halves[c];
   } while (++quad < quads);
-  if ((layout_.x & LODEN_BAND_RATIO) != 0) {
-    vec2 ratio = loden_fetch_weights(band, layout_.w, q, lod).xy * ratio_scale.xy;
+  if ((bits & LODEN_BAND_RATIO) != 0) {
+    vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy * loden_material.bands[band].ratio_scale;
     for (int c = 0; c < 3; ++c) sum[c].yz += ratio * (sum[c].x + mean[c].x) - mean[c].yz;
   }
   return sum;
@@ -99,9 +98,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
 
 // Bands as loden_evaluate_bands visits them.
 mat3 loden_evaluate_bands_environment(LodenHit hit, vec2 view, LodenHemisphere light, mat3 mean) {
-  int finest = LODEN_BANDS - 1;
-  for (int b = LODEN_BANDS - 1; b >= 0; --b)
-    finest = loden_window_weight(loden_material.bands[b].window, hit.lambda) > 0.0 ? b : finest;
+  int finest = loden_finest_band(hit.lambda);
   mat3 sum = mat3(0.0);
   int band = LODEN_BANDS - 1;
   do {

@@ -60,7 +60,7 @@ struct LodenMaterial {
 };
 
 LodenMaterial loden_material_default() {
-  return LodenMaterial(loden_material.mean_chroma.z, 0.0, 0.0, true, mat2(0.0), mat2(1.0), 1.0);
+  return LodenMaterial(loden_material.resident_lambda, 0.0, 0.0, true, mat2(0.0), mat2(1.0), 1.0);
 }
 
 // One shading point, shared by all lights.

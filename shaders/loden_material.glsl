@@ -14,7 +14,7 @@
 //   LodenMaterial m = loden_material_default();
 //   loden_follow_surface(m, ...);                                          where the surface is curved
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
-//   radiance += irradiance * loden_material.surface.z * loden_evaluate(m, h, wi_ts, wo_ts);   per light; z: value_scale
+//   radiance += irradiance * loden_material.value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
 
 #include "loden_shared.h"
@@ -26,7 +26,7 @@
 // Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that is
 // longer: blur along a stretched footprint is bounded, and so is aliasing.
 float loden_lambda_from_footprint(vec2 dx, vec2 dy) {
-  float side = loden_material.surface.y;
+  float side = loden_material.side;
   float xx = dot(dx, dx), yy = dot(dy, dy);
   float major = sqrt(max(xx, yy)), minor = sqrt(min(xx, yy));
   return log2(max(max(minor, 0.5 * major) * side, 1e-6));
@@ -64,9 +64,9 @@ float loden_lambda_from_distance(float distance_) { return log2(max(distance_, 1
 // the lookup can be skipped where nothing of it is seen.
 float loden_parallax_fade(float lambda, vec3 wo) {
   // Only where P.xy == p is p = x without parallax.
-  if ((loden_material.flags.x & LODEN_IDENTITY) == 0) return 1.0;
+  if ((loden_material.bits & LODEN_IDENTITY) == 0) return 1.0;
   float slope = length(wo.xy) / max(wo.z, LODEN_VDIM_COS);
-  float texels = loden_material.geometry.z * slope * loden_material.surface.y * exp2(-lambda);
+  float texels = loden_material.geometry_range.z * slope * loden_material.side * exp2(-lambda);
   return clamp(4.0 * texels - 1.0, 0.0, 1.0);
 }
 
@@ -77,7 +77,7 @@ float loden_parameter_share(float lambda) {
 #else
   float share = 0.0;
   for (int b = 0; b < LODEN_BANDS; ++b)
-    if ((loden_material.bands[b].layout_.x & LODEN_BAND_FLAT) != 0)
+    if ((loden_material.bands[b].bits & LODEN_BAND_FLAT) != 0)
       share = max(share, loden_window_weight(loden_material.bands[b].window, lambda));
   return share;
 #endif
@@ -91,12 +91,12 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.tilt = vec2(0.0);
   hit.missed = false;
   hit.lambda = max(max(lambda, m.lambda_min), 0.0);
-  if ((loden_material.flags.x & LODEN_CLAMP_LAMBDA) != 0) hit.lambda = min(hit.lambda, loden_material.surface.w);
+  if ((loden_material.bits & LODEN_CLAMP_LAMBDA) != 0) hit.lambda = min(hit.lambda, loden_material.lambda_max);
 #if defined(LODEN_LOOKUP_PAPER)
   hit.p = loden_paper_vdim_lookup(x, wo);
 #elif defined(LODEN_LOOKUP_DEFAULT) || defined(LODEN_LOOKUP_FAST)
   float fade = m.skip_parallax ? loden_parallax_fade(hit.lambda, wo) : 1.0;
-  fade *= loden_material.mean_chroma.w;  // 0 until geometry and VDIM are resident
+  fade *= float(loden_material.geometry_resident);  // 0 until geometry and VDIM are resident
   float share = loden_parameter_share(hit.lambda);
 #ifdef LODEN_ALWAYS_LOOKUP
   if (fade > 0.0) {
@@ -124,8 +124,8 @@ vec3 loden_evaluate_mean(vec3 wi, vec3 wo) {
   float half_cosine = max(sum.z / sqrt(max(dot(sum, sum), 1e-12)), 0.0);
   vec4 k = loden_material.mean;
   float y = k.x + k.y * max(wi.z, 0.0) + k.z * pow(half_cosine, k.w);
-  float chroma_scale = (loden_material.flags.x & LODEN_MEAN_RATIO) != 0 ? y : 1.0;
-  return vec3(y, loden_material.mean_chroma.xy * chroma_scale);
+  float chroma_scale = (loden_material.bits & LODEN_MEAN_RATIO) != 0 ? y : 1.0;
+  return vec3(y, loden_material.mean_chroma * chroma_scale);
 }
 
 vec3 loden_rgb_from_ycc(vec3 ycc) {
@@ -143,12 +143,12 @@ struct LodenSurface {
 LodenSurface loden_fetch_surface(LodenHit hit) {
   LODEN_COUNT(LODEN_UNIT_NORMAL, 1);
   LODEN_COUNT(LODEN_UNIT_DIFFUSE, 1);
-  float lod = hit.lambda - loden_material.environment_unit.z;
+  float lod = hit.lambda - loden_material.surface_lambda;
   vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), lod).xyz;
   vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), lod).xyz;
   vec2 specular = vec2(0.0);
   // A loop, so that renderers which run both sides of every branch skip it too.
-  for (int k = 0; k < (loden_material.flags.x & LODEN_SPECULAR) / LODEN_SPECULAR; ++k) {
+  for (int k = 0; k < (loden_material.bits & LODEN_SPECULAR) / LODEN_SPECULAR; ++k) {
     LODEN_COUNT(LODEN_UNIT_SPECULAR, 1);
     specular = textureLod(loden_specular, vec3(hit.p, 0.0), lod).xy;
   }
@@ -157,7 +157,7 @@ LodenSurface loden_fetch_surface(LodenHit hit) {
   float sharp = exp2(specular.y * 12.0);
   float shortened = min(length_, 1.0);
   float exponent = sharp * shortened / (shortened + sharp * (1.0 - shortened));
-  float strength = specular.x * loden_material.surface.x * (exponent + 8.0) / (sharp + 8.0);
+  float strength = specular.x * loden_material.specular_scale * (exponent + 8.0) / (sharp + 8.0);
   return LodenSurface(mapped / length_, diffuse, strength, exponent);
 }
 
@@ -194,7 +194,7 @@ vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
 #else
   vec3 wi = loden_clamp_theta(wi_ts, loden_material.theta_max);
   vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
-  bool with_cosine = (loden_material.flags.x & LODEN_COSINE_INCLUDED) != 0;
+  bool with_cosine = (loden_material.bits & LODEN_COSINE_INCLUDED) != 0;
   float cosine = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : wi_ts.z;
   vec3 mean = loden_evaluate_mean(wi, wo);
   vec3 bands = loden_evaluate_bands(hit, loden_table_position(wi, wo), mean);

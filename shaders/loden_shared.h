@@ -37,12 +37,12 @@
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding
 #define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer
 
-// Bits of LodenBandData.layout_.x
+// Bits of LodenBandData.bits
 #define LODEN_BAND_FLAT 1     // weights are read at p, else at x
 #define LODEN_BAND_LINEAR 2   // filtered weights, else nearest
 #define LODEN_BAND_RATIO 4    // one more layer of weights: Cb/Y and Cr/Y
 #define LODEN_BAND_LIGHT 8    // a light factor; of one band at most
-// Bits of LodenMaterialData.flags.x
+// Bits of LodenMaterialData.bits
 #define LODEN_MEAN_RATIO 1            // the mean's chroma is a multiple of its Y
 #define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
 #define LODEN_IDENTITY 4              // P.xy == p: no closest-point volume
@@ -52,31 +52,68 @@
 #ifdef __cplusplus
 #include <glm/glm.hpp>
 namespace loden {
+using vec2 = glm::vec2;
+using vec3 = glm::vec3;
 using vec4 = glm::vec4;
-using ivec4 = glm::ivec4;
 #endif
 
-// std140: only vec4 and ivec4, so that both languages agree.
+// std140: members come in groups of 16 bytes, so that both languages agree on every offset.
 struct LodenBandData {
-  vec4 window;     // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
-  vec4 mip;        // lambda_first, mips - 1, weights' texels per side, 1 / table's depth
-  vec4 grid;       // thetas, phis of the table, 1 / thetas^2, 1 / phis; of nearest tables: of the views for the environment
-  ivec4 layout_;   // bits, y_quads, chroma_quads, ratio layer
-  ivec4 light;     // thetas, phis of the light factor's table, its quads, the first layer of its weights
+  vec4 window;  // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
+
+  float lambda_first;    // of mip 0 of the weights
+  float last_mip;
+  float side;            // texels of mip 0
+  float per_table_depth; // 1 / slices of the table
+
+  vec2 grid;      // thetas, phis of the table; of nearest tables: of the views for the environment
+  vec2 per_grid;  // 1 / thetas^2, 1 / phis
+
+  int bits;         // LODEN_BAND_...
+  int y_quads;
+  int chroma_quads;
+  int ratio_layer;  // of the weights
+
+  int light_thetas, light_phis;  // of the light factor's table
+  int light_quads;
+  int light_layer;  // the first of its weights
+
   vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y, chroma and light
-  vec4 ratio_scale;                  // of the ratio layer; share of what quads add from w on, which quad_scale holds already; w
+
+  vec2 ratio_scale;
+  float rest_share;  // of what quads from first_rest on add, which quad_scale holds already
+  float first_rest;
 };
 
 struct LodenMaterialData {
-  ivec4 flags;      // bits, number of bands, atlas texels per side, atlas directions per side
-  vec4 mean;        // ka, kd, ks, alpha
-  vec4 mean_chroma; // cb, cr, smallest resident lambda (the shader clamps to it), 1 if geometry and VDIM are resident
-  vec4 theta_max;   // radians, cosine, sine, 1 / radians
-  vec4 geometry;    // range.xyz (tile periods), texels per side
-  vec4 surface;     // specular_scale, reference texels per side, value_scale, lambda_max
-  vec4 paper;       // range.x, range.y, zeniths, azimuths of the paper's VDIM
+  int bits;               // LODEN_MEAN_RATIO ...
+  int geometry_resident;  // 1 if the geometry image and its atlas are
+  int atlas_texels;       // per side
+  int atlas_directions;   // per side
+
+  vec4 mean;  // ka, kd, ks, alpha
+
+  vec2 mean_chroma;       // cb, cr
+  vec2 environment_unit;  // EnvironmentMean::unit
+
+  vec4 theta_max;  // radians, cosine, sine, 1 / radians
+
+  vec3 geometry_range;  // tile periods
+  float geometry_side;  // texels
+
+  vec2 paper_range;  // of the paper's VDIM
+  vec2 paper_size;   // zeniths, azimuths
+
+  float value_scale;      // of what loden_evaluate and loden_evaluate_environment return
+  float side;             // reference texels
+  float lambda_max;
+  float resident_lambda;  // the smallest: the shader clamps to it
+
+  float specular_scale;  // of the surface maps
+  float surface_lambda;  // of mip 0 of what is resident of them
+  vec2 padding;
+
   vec4 environment_mean[LODEN_ENVIRONMENT_THETAS];  // EnvironmentMean::rows
-  vec4 environment_unit;                            // EnvironmentMean::unit, lambda of the surface maps' mip 0, unused
   LodenBandData bands[LODEN_MAX_BANDS];
 };
 

@@ -139,19 +139,19 @@ LodenNearestLayers loden_nearest_layers(int directions, vec2 square) {
 
 // z of the four entries around x in one layer, as (lower left, lower right, upper left, upper right).
 vec4 loden_gather_depths(int layer, vec2 x) {
-  float n = float(loden_material.flags.z);
+  float n = float(loden_material.atlas_texels);
   vec2 base = floor(x * n - 0.5);
   LODEN_COUNT(LODEN_UNIT_VDIM_DEPTH, 1);
   vec4 code = textureGather(loden_vdim_depth, vec3((base + 1.0) / n, float(layer)), 0).wzxy;
-  return (code - 1.0) * loden_material.geometry.z;
+  return (code - 1.0) * loden_material.geometry_range.z;
 }
 
 // Parameter of the surface near the point x + slope z.
 vec2 loden_parameter_near(vec2 point, float z) {
-  if ((loden_material.flags.x & LODEN_IDENTITY) != 0) return point;
+  if ((loden_material.bits & LODEN_IDENTITY) != 0) return point;
   vec3 size = vec3(textureSize(loden_vdim_volume, 0));
   vec2 wrapped = point - floor(point);
-  float slice = clamp(z / -loden_material.geometry.z * size.z, 0.0, size.z - 0.5);
+  float slice = clamp(z / -loden_material.geometry_range.z * size.z, 0.0, size.z - 0.5);
   LODEN_COUNT(LODEN_UNIT_VDIM_VOLUME, 1);
   vec2 d = texelFetch(loden_vdim_volume, ivec3(min(vec3(wrapped * size.xy, slice), size - 1.0)), 0).xy;
   return point + d * 0.5;
@@ -164,11 +164,11 @@ struct LodenPatch {
 
 // The bilinear patch whose lower left corner is texel `base` (material/packed_geometry.h).
 LodenPatch loden_fetch_patch(vec2 base) {
-  vec3 range = loden_material.geometry.xyz;
-  float n = loden_material.geometry.w;
+  vec3 range = loden_material.geometry_range;
+  float n = loden_material.geometry_side;
   LODEN_COUNT(LODEN_UNIT_GEOMETRY, 1);
   uvec4 code = textureGather(loden_geometry, (base + 1.0) / n, 0);
-  bool identity = (loden_material.flags.x & LODEN_IDENTITY) != 0;
+  bool identity = (loden_material.bits & LODEN_IDENTITY) != 0;
   vec4 x = (vec4(code & 1023u) - 511.0) * (1.0 / 1022.0) * range.x;
   vec4 y = (vec4(code >> 10u & 1023u) - 511.0) * (1.0 / 1022.0) * range.y;
   x -= floor(x - x.w + 0.5);  // all corners in the period of the first
@@ -245,7 +245,7 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
 // What leaves the loop is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's
 // values of anything else, also to invocations that left before.
 void loden_search_from(LodenViewRay ray, float h, vec2 p, bool patient, inout vec4 found) {
-  float n = loden_material.geometry.w;
+  float n = loden_material.geometry_side;
   vec2 point = ray.x + loden_ray_offset(ray, h);
   int left = LODEN_PATCHES;
   do {
@@ -303,14 +303,14 @@ vec4 loden_gather_seeds(LodenViewRay ray, LodenRayPath path, LodenStraightRay li
 
 LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   LodenViewRay ray = loden_view_ray(m, x, wo);
-  float range = loden_material.geometry.z;
+  float range = loden_material.geometry_range.z;
   LodenRayPath path = loden_ray_path(ray, range);
   vec4 found = vec4(0.0, 0.0, 0.0, -1e9);
   // Anchor by anchor along the ray; the first search that converges wins.
   int anchor = 0;
   do {
     LodenStraightRay line = loden_seed_ray(ray, path, range, anchor);
-    LodenNearestLayers layers = loden_nearest_layers(loden_material.flags.w, loden_vdim_square_from_view(loden_view_along(line.slope)));
+    LodenNearestLayers layers = loden_nearest_layers(loden_material.atlas_directions, loden_vdim_square_from_view(loden_view_along(line.slope)));
     vec2 entry = line.x - line.slope * line.z;  // where it meets the plane
     if (ray.bent) entry -= floor(entry);
     LodenDepths depths;
@@ -325,7 +325,7 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
     float depth = range * line.h_per_z;
     float h = top, below = top - LODEN_SEPARATION * depth;
     if (anchor == 0) {
-      vec2 f = fract(entry * float(loden_material.flags.z) - 0.5);
+      vec2 f = fract(entry * float(loden_material.atlas_texels) - 0.5);
       h = loden_cluster_mean(depths, top - LODEN_CLUSTER * depth, f, layers.weight);
       below = 1.0;
     }
@@ -363,15 +363,15 @@ vec2 loden_paper_vdim_lookup(vec2 x, vec3 wo) {
   vec2 texel = min(floor((x - floor(x)) * side), vec2(side - 1.0));
   LODEN_COUNT(LODEN_UNIT_PAPER_REFERENCE, 1);
   LODEN_COUNT(LODEN_UNIT_PAPER_PACKED, 1);
-  vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper.x;
+  vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper_range.x;
   float theta = min(acos(clamp(wo.z, -1.0, 1.0)), 85.0 * LODEN_PI / 180.0);
   float phi = wo.x == 0.0 && wo.y == 0.0 ? 0.0 : atan(wo.y, wo.x);
   phi = phi < 0.0 ? phi + 2.0 * LODEN_PI : phi;
-  vec2 size = loden_material.paper.wz;
+  vec2 size = loden_material.paper_size.yx;
   vec2 within = vec2(phi / (2.0 * LODEN_PI), theta / (85.0 * LODEN_PI / 180.0)) * (size - 1.0) + 0.5;
   vec4 entry = textureLod(loden_paper_packed, vec3((texel * size + within) / (side * size), 0.0), 0.0);
   float length_ = sqrt(dot(entry.xy, entry.xy));
   vec2 direction = length_ > 1e-6 ? entry.xy / length_ : vec2(0.0);
-  return x + reference + direction * (entry.z * loden_material.paper.y);
+  return x + reference + direction * (entry.z * loden_material.paper_range.y);
 }
 #endif

@@ -16,7 +16,7 @@ struct SurfacePoint {
 SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo) {
   SurfacePoint point;
   point.material = loden_material_default();
-  point.material.lambda_min = loden_material.mean_chroma.z;
+  point.material.lambda_min = loden_material.resident_lambda;
   point.material.tile_length = object.tile.x;
 #ifdef SCENE_FOLLOW_SURFACE
   loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
@@ -42,13 +42,13 @@ bool surfaceMissed(SurfacePoint point) { return point.hit.missed; }
 
 // Per unit irradiance.
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
-  return loden_evaluate(point.material, point.hit, wi, wo) * loden_material.surface.z;
+  return loden_evaluate(point.material, point.hit, wi, wo) * loden_material.value_scale;
 }
 
 // Radiance from the environment's light over the frame's hemisphere.
 vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
   LodenHemisphere light = loden_hemisphere_light(scene.environment, loden_hit_frame(point.hit, frame));
-  return loden_evaluate_environment(point.material, point.hit, light, wo) * (LODEN_PI * loden_material.surface.z);
+  return loden_evaluate_environment(point.material, point.hit, light, wo) * (LODEN_PI * loden_material.value_scale);
 }
 
 #else

@@ -28,7 +28,7 @@ void main() {
   vec3 wi = normalize(vec3(0.0, 0.5, 1.0)), wo = normalize(vec3(0.4, 0.0, 1.0));
   LodenMaterial m = loden_material_default();
   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo);
-  color = vec4(loden_material.surface.z * loden_evaluate(m, h, wi, wo), 1.0);
+  color = vec4(loden_material.value_scale * loden_evaluate(m, h, wi, wo), 1.0);
 })"};
 
 int fail(const loden::Issue& issue) {

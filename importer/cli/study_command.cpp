@@ -31,7 +31,7 @@ class StudyCommand : public Command {
     options.choice("name", study_, names, "Which study", true);
     options.texts("--tile", tiles_, "Tiles; default: button, isba, pulli, sponge");
     options.integer("--size", study_options_.size, "Reference texels per side", 4, 1024);
-    options.integer("--every", study_options_.every, "flat-reconstruction: every N-th view only, and no views between; for large sizes", 1, 81);
+    options.integer("--every", study_options_.every, "flat-reconstruction: the paper's protocol by every N-th view only; for large sizes", 1, 81);
     options.path("--json", json_, "Write the rows as JSON to this file");
     options.path("--csv", csv_, "Write the rows as CSV to this file");
     options.path("--bakes", study_options_.bakes, "Folder of baked outputs, <tile>-<size>; baked there if missing");

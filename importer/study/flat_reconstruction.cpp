@@ -3,7 +3,7 @@
 // paper      sampled views: every reference texel is the mean over kGrid x kGrid points of the Flat-BTF, filtered
 //            linearly, at the traced p of each point ("all the VDIMs by oversampling"). The reference has as many
 //            samples a texel, so that what is measured is not their noise.
-//            With options.every the sampled views are each N-th only, and nothing else of the tile is baked.
+//            With options.every the sampled views are each N-th only, and the BTF is baked for these.
 // unsampled  random views up to 85 degrees, all sampled lights: p from the stored, blended 16x16 map at texel
 //            centres, the Flat-BTF interpolated between the views of the rings around; truth is the tile's mesh,
 //            traced and shaded at 2 x 2 points per texel.
@@ -245,16 +245,13 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   const auto tile = loadTile(studyTileName(name));
   if (!tile) return tile.issue();
   const TileTracer tracer(*tile);
-  std::optional<PaperVdim> vdim;  // without all views there is nothing to interpolate between
-  if (options.every == 1) {
-    StudyBake stored;
-    stored.maps = {.btf = false, .flat = false, .vdim = true, .surface = false};
-    const auto baked = studyBake(options, name, stored);
-    if (!baked) return baked.issue();
-    const auto displacements = baked->vdim(16, 16);
-    if (!displacements) return displacements.issue();
-    vdim = packPaperVdim(*displacements, options.size, 16, 16);
-  }
+  StudyBake stored;
+  stored.maps = {.btf = false, .flat = false, .vdim = true, .surface = false};
+  const auto baked = studyBake(options, name, stored);
+  if (!baked) return baked.issue();
+  const auto displacements = baked->vdim(16, 16);
+  if (!displacements) return displacements.issue();
+  const PaperVdim vdim = packPaperVdim(*displacements, options.size, 16, 16);
   const StudyBake truth{0, kGrid, FillMethod::kPushPull, TexelMethod::kMean, {.btf = true, .flat = false, .vdim = false, .surface = false}, true};
   const auto btf = studyBake(options, name, truth);
   if (!btf) return btf.issue();
@@ -265,15 +262,16 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
     TexelMethod texels;
   };
   for (const auto& [flat_size, texels] : {FlatMap{options.size, TexelMethod::kMean}, {2 * options.size, TexelMethod::kMean}, {2 * options.size, TexelMethod::kLinear}}) {
-    const StudyBake wanted{flat_size, kFlatSupersample, FillMethod::kPushPull, texels, {.btf = false, .flat = true, .vdim = false, .surface = false}, true};
+    const bool between = texels == TexelMethod::kMean;  // of others the stored map loses far more than the texels
+    const StudyBake wanted{flat_size, kFlatSupersample, FillMethod::kPushPull, texels, {.btf = false, .flat = true, .vdim = false, .surface = false}, !between};
     const auto flat = studyBake(options, name, wanted);
     if (!flat) return flat.issue();
     const Subject subject{name, *btf, *flat, tracer, options};
     auto paper = measure(subject, "paper", views.size(), [&](int k) { return paperView(subject, views[k]); });
     if (!paper) return paper.issue();
     rows.push_back(std::move(*paper));
-    if (!vdim || texels == TexelMethod::kLinear) continue;  // the stored map loses far more than the texels
-    auto unsampled = measure(subject, "unsampled", kUnsampledViews, [&](int view) { return unsampledView(subject, *vdim, view); });
+    if (!between) continue;
+    auto unsampled = measure(subject, "unsampled", kUnsampledViews, [&](int view) { return unsampledView(subject, vdim, view); });
     if (!unsampled) return unsampled.issue();
     rows.push_back(std::move(*unsampled));
   }

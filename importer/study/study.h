@@ -38,7 +38,7 @@ using StudyRows = std::vector<StudyRow>;
 struct StudyOptions {
   std::vector<std::string> tiles{"button", "isba", "pulli", "sponge"};  // builtin names, or tile files
   int size = 64;                            // reference texels per side
-  int every = 1;                            // views every / 2, every / 2 + every, ... only
+  int every = 1;                            // of sampled views those at every / 2, every / 2 + every, ... only
   std::filesystem::path bakes = "out/bakes";  // baked outputs, <tile>-<size>; baked there if missing
   std::filesystem::path pictures;           // PNG pictures go here; empty: none
   int threads = 0;                          // 0: all

@@ -206,10 +206,11 @@ SceneFrame FrameRenderer::Impl::frameData() const {
   }
   data.flags.x = (scene.sun ? SCENE_SUN : 0) | (scene.sun && settings.shadows ? SCENE_SHADOWS : 0) |
                  (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
-                 (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0);
+                 (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
+                 (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
   if (settings.environment) setEnvironment(*settings.environment, data);
   else setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
-  data.lambda = glm::vec4(settings.lambda.value_or(0), 0, 0, 0);
+  data.lambda = glm::vec4(settings.lambda.value_or(0), view.pixel_angle, 0, 0);
   std::transform(scene.lights.begin(), scene.lights.end(), data.lights, lightData);
   return data;
 }

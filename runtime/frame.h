@@ -19,6 +19,10 @@ namespace loden::runtime {
 
 enum class ToneCurve { kClip, kFilmic };
 
+// Where lambda comes from: the pixel's footprint on the surface, or its distance alone, as LBTF 3.4, step 2 has it, in units
+// at which a texel covers a pixel.
+enum class LambdaRule { kFootprint, kDistance };
+
 struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
   bool shadows = true;
@@ -30,7 +34,8 @@ struct FrameSettings {
   // Per pixel, for silhouettes; 1, 2, 4 or 8. Above 1 the frame is drawn elsewhere and its colour alone resolved into the
   // target, whose depth is neither cleared nor written.
   int samples = 1;
-  std::optional<float> lambda;       // instead of the footprint's, everywhere
+  LambdaRule lambda_rule = LambdaRule::kFootprint;
+  std::optional<float> lambda;       // instead, everywhere
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
   // Light from all around, world frame; at most SCENE_MAX_SUNS suns count. None: a sky and a ground.

@@ -13,6 +13,8 @@ const std::map<std::string, Mode> kModes{{"full", Mode::kFull},
                                          {"normal-map", Mode::kNormalMap},
                                          {"paper", Mode::kPaper},
                                          {"no-lod", Mode::kNoLod}};
+const std::map<std::string, runtime::LambdaRule> kLambdaRules{{"footprint", runtime::LambdaRule::kFootprint},
+                                                              {"distance", runtime::LambdaRule::kDistance}};
 const std::map<std::string, SurfaceKind> kSurfaces{
     {"plane", SurfaceKind::kPlane}, {"cylinder", SurfaceKind::kCylinder}, {"sphere", SurfaceKind::kSphere}};
 
@@ -86,7 +88,11 @@ void addRuntime(CLI::App& app, Options& options) {
       ->transform(oneOf(kModes))
       ->type_name("NAME")
       ->default_str("full");
-  app.add_option("--lambda", options.lambda, "Level of detail everywhere, instead of the footprint's")
+  app.add_option("--lambda-rule", options.lambda_rule, "Level of detail by a pixel's footprint on the surface, or by its distance alone (Ma et al. 2005)")
+      ->transform(oneOf(kLambdaRules))
+      ->type_name("NAME")
+      ->default_str("footprint");
+  app.add_option("--lambda", options.lambda, "Level of detail everywhere, instead of either rule's")
       ->check(CLI::Range(0.0, 32.0));
   app.add_flag("--parallax-depth", options.parallax_depth, "Depth, shadows and lamps at the displaced surface");
   app.add_flag("--stream", options.stream, "Headless: draw what is resident instead of waiting for all of it");

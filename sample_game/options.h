@@ -7,6 +7,7 @@
 #include <string>
 
 #include "material/analytic_surface.h"
+#include "runtime/frame.h"
 
 namespace loden::walk {
 
@@ -32,6 +33,7 @@ struct Options {
   std::filesystem::path capture, report, contact_sheet, shader_cache;  // empty: none
   double budget_mb = 64, upload_kb = 256;
   Mode mode = Mode::kFull;
+  runtime::LambdaRule lambda_rule = runtime::LambdaRule::kFootprint;
   std::optional<float> lambda;
   bool parallax_depth = false;
   bool stream = false;            // headless: do not wait for the loading thread

@@ -20,6 +20,7 @@ Json optionsJson(const Options& options) {
   Json json{{"size", {options.size.x, options.size.y}}, {"budget_mb", options.budget_mb},
             {"upload_kb", options.upload_kb},           {"mode", modeName(options.mode)},
             {"headless", options.headless},             {"stream", options.stream}};
+  if (options.lambda_rule == runtime::LambdaRule::kDistance) json["lambda_rule"] = "distance";
   if (options.lambda) json["lambda"] = *options.lambda;
   return json;
 }

@@ -108,6 +108,7 @@ MaterialSystemOptions materialOptions(const Options& options) {
 // On a surface: what `loden trace` draws, nothing else. In a scene: a picture.
 FrameSettings frameSettings(const Options& options) {
   FrameSettings settings;
+  settings.lambda_rule = options.lambda_rule;
   settings.lambda = options.lambda;
   settings.parallax_depth = options.parallax_depth;
   if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;

@@ -34,7 +34,8 @@ mat3 tangentFrame() {
 SurfaceShape surfaceShape(mat3 frame) {
   vec3 n = normalize(normal_ws);
   n = dot(frame[2], n) < 0.0 ? -n : n;  // double-sided surfaces, seen from behind
-  return SurfaceShape(dFdx(position_ws) * frame, dFdy(position_ws) * frame, dFdx(n) * frame, dFdy(n) * frame);
+  return SurfaceShape(dFdx(position_ws) * frame, dFdy(position_ws) * frame, dFdx(n) * frame, dFdy(n) * frame,
+                      distance(scene.camera_exposure.xyz, position_ws));
 }
 
 // The direction in the tangent frame, kept above the horizon: interpolated normals may face away at silhouettes.

@@ -16,6 +16,7 @@
 #define SCENE_FILMIC 4          // tone curve; without it colours are clipped
 #define SCENE_LAMBDA_OVERRIDE 8
 #define SCENE_SUN_VIEW 16       // the sun's view, for the shadow map
+#define SCENE_LAMBDA_DISTANCE 32
 
 // Bits of SceneObject.flags.x
 #define SCENE_DOUBLE_SIDED 1
@@ -45,7 +46,7 @@ struct SceneFrame {
   vec4 environment[9];      // as loden_hemisphere_light takes it
   vec4 environment_suns[2 * SCENE_MAX_SUNS];  // each: unit direction towards it; linear RGB irradiance facing it
   ivec4 flags;              // bits, number of the environment's suns, 1 if the rest of it gives light, unused
-  vec4 lambda;              // override, unused x 3
+  vec4 lambda;              // override; metres across a pixel at 1 m, for the distance rule; unused x 2
   SceneLight lights[SCENE_MAX_LIGHTS];
 };
 

@@ -1,8 +1,9 @@
 // How a surface answers to light: radiance = irradiance * surfaceRadiance. One of two.
 
-// Screen-space derivatives of a mesh, in its tangent frame: of position (metres) and unit normal.
+// Screen-space derivatives of a mesh, in its tangent frame: of position (metres) and unit normal; and how far away it is (metres).
 struct SurfaceShape {
   vec3 dp_dx, dp_dy, dn_dx, dn_dy;
+  float away;
 };
 
 #if defined(LODEN_BANDS) || defined(LODEN_MODE_SURFACE)
@@ -18,6 +19,8 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
   point.material = loden_material_default();
   point.material.lambda_min = loden_material.resident_lambda;
   point.material.tile_length = object.tile.x;
+  if ((scene.flags.x & SCENE_LAMBDA_DISTANCE) != 0)
+    point.material.distance_ = shape.away * scene.lambda.y * loden_material.side / object.tile.x;
 #ifdef SCENE_FOLLOW_SURFACE
   loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
 #endif
@@ -32,7 +35,10 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
 }
 
 // Evaluations that the footprint needs, and the step between them.
-int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) { return loden_footprint_taps(dx, dy, step_); }
+int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) {
+  int taps = loden_footprint_taps(dx, dy, step_);
+  return (scene.flags.x & SCENE_LAMBDA_DISTANCE) != 0 ? 1 : taps;  // the rule knows no direction
+}
 
 // Height of the hit over the tangent plane, metres, <= 0.
 float surfaceDepth(SurfacePoint point) { return point.hit.depth * point.material.tile_length; }

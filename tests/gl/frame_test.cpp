@@ -17,9 +17,9 @@ using namespace runtime;
 using FrameTest = GlTest;
 
 // A plane with a fused material under a sun with a shadow map, and a point light.
-Scene planeScene() {
+Scene planeScene(const Material& material = fusedMaterial()) {
   Scene scene = analyticScene(SurfaceKind::kPlane, {}, glm::normalize(glm::vec3(0.3f, 0.2f, 1)));
-  Result<std::vector<std::byte>> bytes = serializeAsset(fusedMaterial());
+  Result<std::vector<std::byte>> bytes = serializeAsset(material);
   scene.assets[0].embedded = std::move(*bytes);
   scene.assets[0].name = "fused";
   Light lamp;
@@ -83,6 +83,44 @@ std::vector<glm::vec4> picture(FrameRenderer& renderer, MaterialSystem& material
   materials.finishLoading();
   EXPECT_TRUE(renderer.draw({target.framebuffer.name(), target.size}).ok());
   return readLinear(target);
+}
+
+// LBTF 3.4, step 2. In a narrow view straight on the distance is nearly one all over the picture.
+TEST_F(FrameTest, DistanceRuleIsLogarithmOfDistanceWhateverTheTilt) {
+  Material material = fusedMaterial();
+  material.side = 16;
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene(material));
+  ASSERT_TRUE(renderer.ok());
+  const RenderTarget target = *makeRenderTarget({48, 48}, ColorFormat::kLinear32, "frame");
+  constexpr float kDistance = 6;
+  const auto draw = [&](glm::vec3 from, LambdaRule rule, std::optional<float> lambda) {
+    Camera camera;
+    camera.position = glm::normalize(from) * kDistance, camera.target = {0, 0, 0}, camera.up = {0, 1, 0}, camera.fov_degrees = 8;
+    FrameSettings settings;
+    settings.lambda_rule = rule, settings.lambda = lambda;
+    (*renderer)->prepare(makeView(camera, target.size), settings);
+    materials->finishLoading();
+    EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok());
+    return readLinear(target);
+  };
+  const auto difference = [](const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
+    float sum = 0;
+    for (size_t i = 0; i < a.size(); ++i) sum += glm::distance(glm::vec3(a[i]), glm::vec3(b[i]));
+    return sum / float(a.size());
+  };
+  const float pixel = 2 * kDistance * std::tan(glm::radians(4.0f)) / 48 / float(AnalyticSurface::kTilePeriod);  // tile periods
+  const float lambda = std::log2(pixel * float(material.side));
+  ASSERT_GT(lambda, 0.5f);
+  ASSERT_LT(lambda, 2.0f) << "the levels behind look too much alike";
+  for (const glm::vec3 from : {glm::vec3(0, 0, 1), glm::vec3(0, -3, 1)}) {
+    const auto by_distance = draw(from, LambdaRule::kDistance, {}), asked_for = draw(from, LambdaRule::kFootprint, lambda);
+    EXPECT_LT(difference(by_distance, asked_for), from.y == 0 ? 1e-3f : 0.02f) << "pixels lie 5 % of the distance apart where the plane is tilted";
+    EXPECT_GT(difference(by_distance, draw(from, LambdaRule::kFootprint, lambda + 1)), 5e-3f) << "the picture shows the level";
+  }
+  EXPECT_LT(difference(draw({0, 0, 1}, LambdaRule::kDistance, {}), draw({0, 0, 1}, LambdaRule::kFootprint, {})), 1e-3f);
+  EXPECT_GT(difference(draw({0, -3, 1}, LambdaRule::kDistance, {}), draw({0, -3, 1}, LambdaRule::kFootprint, {})), 5e-3f);
 }
 
 TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {

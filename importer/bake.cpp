@@ -13,6 +13,7 @@
 #include "importer/parallel.h"
 #include "importer/parameterize.h"
 #include "importer/progress.h"
+#include "importer/random.h"
 #include "importer/surface_samples.h"
 #include "importer/view_fill.h"
 #include "material/issues.h"
@@ -22,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// More misses than this share of the rays that have to hit mean a hole in the tile.
+// More misses than this share of the view rays mean a hole in the tile.
 constexpr double kMaxMissRate = 1e-3;
 
 Status checkOptions(const BakeOptions& o) {
@@ -46,10 +47,12 @@ Status checkOptions(const BakeOptions& o) {
 Status checkGutters(const Tile& tile, const BakeManifest& m) {
   if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
   const double gutter = gutterOf(tile) + 1.0 / 256;  // gutterOf rounds down
-  const int least = std::min({m.size, m.flat_size, m.geometry_size}), needed = static_cast<int>(std::ceil(2 / gutter));
-  if (least >= needed) return {};
-  return Issue{issue_id::kOption, Severity::kError, "--size",
-               "the tile has several charts, and the gutters between them need at least " + std::to_string(needed) + " texels per side"};
+  const int needed = static_cast<int>(std::ceil(2 / gutter));
+  for (const auto& [option, side] : {std::pair{"--size", m.size}, {"--flat-size", m.flat_size}, {"--geometry-size", m.geometry_size}})
+    if (side < needed)
+      return Issue{issue_id::kOption, Severity::kError, option,
+                   "the tile has several charts, and the gutters between them need at least " + std::to_string(needed) + " texels per side"};
+  return {};
 }
 
 BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const BakeOptions& o) {
@@ -71,6 +74,33 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.flipped_triangles = quality.flipped;
   m.area_cv = quality.area_cv, m.area_p5 = quality.area_p5, m.area_p95 = quality.area_p95;
   return m;
+}
+
+// Asked before anything is written, and of the tile and its directions alone: every shard and every resumed run gets the same answer.
+Status checkCovers(const TileTracer& tracer, const BakeManifest& m, const std::string& tile_name) {
+  constexpr int kSide = 32;           // rays of a view, per side
+  constexpr size_t kMostViews = 100;
+  const auto& views = m.directions.samples;
+  const size_t count = std::min(views.size(), kMostViews);
+  uint64_t misses = 0;
+  glm::dvec2 first_x(0), first_view(0);
+  for (size_t k = 0; k < count; ++k) {
+    const glm::dvec3& wo = views[k * views.size() / count];
+    for (int t = 0; t < kSide * kSide; ++t) {
+      const uint64_t seed = mixSeed(k, uint64_t(t));
+      const glm::dvec2 x = (glm::dvec2(t % kSide, t / kSide) + glm::dvec2(uniform(seed, 0), uniform(seed, 1))) / double(kSide);
+      if (tracer.intersectView(x, wo) || misses++ > 0) continue;
+      const Spherical view = sphericalFromDirection(wo);
+      first_x = x, first_view = glm::degrees(glm::dvec2(view.theta, view.phi));
+    }
+  }
+  const uint64_t rays = count * kSide * kSide;
+  if (double(misses) <= kMaxMissRate * double(rays)) return {};
+  char place[120];
+  std::snprintf(place, sizeof place, ", the first at x = (%.3f, %.3f) from theta %.0f, phi %.0f degrees", first_x.x, first_x.y, first_view.x, first_view.y);
+  return Issue{issue_id::kTileGeometry, Severity::kError, tile_name,
+               std::to_string(misses) + " of " + std::to_string(rays) + " view rays meet no surface" + place +
+                   ": the tile has holes or does not cover its period; close them, or put a ground under them"};
 }
 
 // One file or group of files of the output; the unit of sharding and resuming.
@@ -168,11 +198,12 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   const auto start = std::chrono::steady_clock::now();
   const BakeManifest manifest = manifestOf(tile, tile_name, options);
   if (const Status status = checkGutters(tile, manifest); !status) return status.issue();
+  const TileTracer tracer(tile);
+  if (const Status status = checkCovers(tracer, manifest, tile_name); !status) return status.issue();
   const auto ready = BakeFolder::prepare(folder, manifest, options.resume, options.shards > 1);
   if (!ready) return ready.issue();
 
   BakeCounters counters;
-  const TileTracer tracer(tile);
   const BakeScene scene{tracer, manifest, counters};
   BakeItems items(scene, folder);
   const int threads = usableThreads(options.threads);
@@ -180,12 +211,6 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   tbb::task_arena arena(threads);
   const Status made = arena.execute([&] { return makeItems(items.items(), options, tile_name, counters); });
   if (!made) return made.issue();
-  if (double(counters.misses) > kMaxMissRate * double(counters.hits_due)) {
-    ready->discard();
-    return Issue{issue_id::kTileGeometry, Severity::kError, tile_name,
-                 std::to_string(counters.misses) + " of " + std::to_string(counters.hits_due) +
-                     " view rays meet no surface: the tile has holes or does not cover its period"};
-  }
   const bool complete = std::all_of(items.items().begin(), items.items().end(), present);
   if (complete) {
     const auto fill = [&] { return arena.execute([&] { return fillFromViews(folder, manifest, options.quiet); }); };

@@ -84,7 +84,6 @@ void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
       }
   const uint64_t rays = uint64_t(last.x - first.x) * uint64_t(last.y - first.y) * uint64_t(per_side * per_side);
   scene_.counters.rays += rays;
-  scene_.counters.hits_due += rays;
   scene_.counters.misses += misses;
 }
 

@@ -143,12 +143,6 @@ Status BakeFolder::finish(const std::function<Status()>& last) const {
   return {};
 }
 
-void BakeFolder::discard() const {
-  removeParts(folder_);
-  std::error_code error;
-  fs::remove(unfinishedPath(folder_), error);
-}
-
 std::string tileHash(const Tile& tile) {
   XXH3_state_t* state = XXH3_createState();
   XXH3_128bits_reset(state);

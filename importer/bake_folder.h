@@ -20,8 +20,6 @@ class BakeFolder {
   // Runs `last`, writes bake.json, and takes the mark of the unfinished bake away. Shards that find the bake
   // complete do this one after the other; `last` must give the same when it runs again.
   Status finish(const std::function<Status()>& last) const;
-  // Removes all that the bake has written.
-  void discard() const;
 
  private:
   std::filesystem::path folder_;

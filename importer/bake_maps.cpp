@@ -65,7 +65,6 @@ Image traceCells(const BakeScene& scene, const std::vector<glm::dvec3>& views, i
         store(&image.pixels[size_t(channels) * layout.pixel(cell, i, j)], x, hit);
       }
     scene.counters.rays += uint64_t(side) * uint64_t(side);
-    scene.counters.hits_due += uint64_t(side) * uint64_t(side);
     scene.counters.misses += misses;
   });
   return image;

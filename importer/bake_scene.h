@@ -17,8 +17,7 @@ namespace loden::importer {
 // Odd events and work done, counted from all threads.
 struct BakeCounters {
   std::atomic<uint64_t> rays{0};
-  std::atomic<uint64_t> hits_due{0};  // rays that have to meet the tile's front
-  std::atomic<uint64_t> misses{0};    // those of them that did not
+  std::atomic<uint64_t> misses{0};  // view rays that met nothing
 };
 
 struct BakeScene {

@@ -173,7 +173,7 @@ class Repair {
       for (int k = 0; k < 3; ++k) uses[edge(f, k)].push_back({f.number, node(f, k) < node(f, k + 1)});
     for (const auto& [e, faces] : uses) {
       if (faces.size() < 2 || (faces.size() == 2 && faces[0].second != faces[1].second)) continue;
-      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(where_, faces.back().first, mesh_.positions, triangles_),
+      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName({where_}, faces.back().first, mesh_.positions, triangles_),
                    faces.size() > 2 ? "an edge is shared by more than two triangles (the surface is not a manifold); repair the mesh"
                                     : "faces the opposite way of triangle " + std::to_string(faces[0].first) + " beside it; turn one of them over"};
     }
@@ -183,6 +183,7 @@ class Repair {
   void store() {
     mesh_.face_sizes.assign(faces_.size(), 3);
     mesh_.corners.clear();
+    for (const Face& f : faces_) mesh_.numbers.push_back(uint32_t(f.number));
     for (const Face& f : faces_) mesh_.corners.insert(mesh_.corners.end(), {f.corners.x, f.corners.y, f.corners.z});
   }
 

@@ -22,7 +22,6 @@ constexpr int kFewestVotes = 2;
 constexpr int kEnoughVotes = 4;  // a period needs this part of the most frequent distance's votes
 
 Issue refuse(int id, const std::string& where, const std::string& why) { return {id, Severity::kError, where, why}; }
-std::string triangleName(const std::string& where, size_t t) { return where + ": triangle " + std::to_string(t); }
 
 // The mesh as a torus: vertices one period apart are one node; each corner knows which period it stands in.
 struct Torus {
@@ -44,7 +43,7 @@ Torus makeTorus(std::span<const glm::dvec3> positions) {
 }
 
 // Every edge between two triangles, one component, no handle but the torus's own: V - E + F = 0.
-Status checkTorus(const Torus& torus, std::span<const glm::uvec3> triangles, const std::string& where) {
+Status checkTorus(const Torus& torus, std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name) {
   // An edge of the torus: two nodes and the periods between them.
   using Edge = std::array<long, 4>;
   std::map<Edge, std::array<int, 3>> edges;  // uses forwards, backwards; a triangle
@@ -59,37 +58,37 @@ Status checkTorus(const Torus& torus, std::span<const glm::uvec3> triangles, con
       const uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
       const uint32_t na = torus.node[a], nb = torus.node[b];
       if (na == nb)
-        return refuse(issue_id::kTileUv, triangleName(where, t), "no texture coordinates (TEXCOORD_0), and the mesh is too coarse to make them: a triangle spans a whole period");
+        return refuse(issue_id::kTileUv, triangleName(name, t, positions, triangles), "no texture coordinates (TEXCOORD_0), and the mesh is too coarse to make them: a triangle spans a whole period");
       const glm::dvec2 d = torus.shift[b] - torus.shift[a];
       const bool forward = na < nb;
       const Edge edge = forward ? Edge{na, nb, long(d.x), long(d.y)} : Edge{nb, na, long(-d.x), long(-d.y)};
       auto& uses = edges.try_emplace(edge, std::array<int, 3>{0, 0, int(t)}).first->second;
       if (++uses[forward ? 0 : 1] > 1)
-        return refuse(issue_id::kTileGeometry, triangleName(where, t), "an edge is shared by more than two triangles, or by two that face opposite ways; repair the mesh");
+        return refuse(issue_id::kTileGeometry, triangleName(name, t, positions, triangles), "an edge is shared by more than two triangles, or by two that face opposite ways; repair the mesh");
       parent[std::max(root(na), root(nb))] = std::min(root(na), root(nb));
     }
   for (const auto& [edge, uses] : edges)
     if (uses[0] != 1 || uses[1] != 1)
-      return refuse(issue_id::kTileUv, triangleName(where, size_t(uses[2])),
+      return refuse(issue_id::kTileUv, triangleName(name, size_t(uses[2]), positions, triangles),
                     "an edge is open: the surface has a hole, or its borders do not match; close it, or give texture coordinates");
   for (const glm::uvec3& t : triangles)
     if (root(torus.node[t.x]) != root(torus.node[triangles[0].x]))
-      return refuse(issue_id::kTileUv, where, "the surface has several components; give texture coordinates, one chart each");
+      return refuse(issue_id::kTileUv, name.file, "the surface has several components; give texture coordinates, one chart each");
   std::vector<bool> used(torus.first.size());
   for (const glm::uvec3& t : triangles)
     for (int k = 0; k < 3; ++k) used[torus.node[t[k]]] = true;
   const long nodes = long(std::count(used.begin(), used.end(), true));
   if (nodes - long(edges.size()) + long(triangles.size()) != 0)
-    return refuse(issue_id::kTileUv, where, "the surface has handles besides the tile's own repetition; give texture coordinates");
+    return refuse(issue_id::kTileUv, name.file, "the surface has handles besides the tile's own repetition; give texture coordinates");
   return {};
 }
 
-Status checkTriangles(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const std::string& where) {
+Status checkTriangles(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name) {
   for (size_t t = 0; t < triangles.size(); ++t) {
     const glm::dvec3 a = positions[triangles[t].x], b = positions[triangles[t].y], c = positions[triangles[t].z];
     const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
     if (glm::length(glm::cross(b - a, c - a)) < 1e-9 * longest * longest || longest == 0)
-      return refuse(issue_id::kTileGeometry, triangleName(where, t), "is degenerate: its corners lie on a line; remove or repair it");
+      return refuse(issue_id::kTileGeometry, triangleName(name, t, positions, triangles), "is degenerate: its corners lie on a line; remove or repair it");
   }
   return {};
 }
@@ -243,7 +242,8 @@ Result<glm::dvec2> findPeriod(std::span<const glm::dvec3> positions, std::span<c
       if (other->second >= enough && other->first > best->first) best = other;
     if (best == votes.end() || best->second < kFewestVotes)
       return refuse(issue_id::kTileUv, where, "no texture coordinates (TEXCOORD_0) that parameterize the tile, and none can be made: the borders in " +
-                        std::string(axis == 0 ? "x" : "y") + " do not match each other one period on");
+                        std::string(axis == 0 ? "x" : "y") + " do not match each other one period on; the tile must lie flat (xz plane in glTF, xy plane in OBJ) "
+                        "with its sides along the axes, and opposite borders need equal vertices");
     double sum = 0;
     int count = 0;
     for (size_t v = 0; v < border.size(); ++v) {
@@ -255,10 +255,10 @@ Result<glm::dvec2> findPeriod(std::span<const glm::dvec3> positions, std::span<c
   return period;
 }
 
-Result<Parameterization> parameterizeTorus(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const std::string& where) {
-  if (const Status status = checkTriangles(positions, triangles, where); !status) return status.issue();
+Result<Parameterization> parameterizeTorus(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name) {
+  if (const Status status = checkTriangles(positions, triangles, name); !status) return status.issue();
   const Torus torus = makeTorus(positions);
-  if (const Status status = checkTorus(torus, triangles, where); !status) return status.issue();
+  if (const Status status = checkTorus(torus, positions, triangles, name); !status) return status.issue();
   const auto pulls = meanValuePulls(torus, positions, triangles);
 
   Parameterization best;
@@ -285,7 +285,7 @@ Result<Parameterization> parameterizeTorus(std::span<const glm::dvec3> positions
     for (size_t n = 0; n < stretch.size(); ++n) tried[n] = stretch[n] * std::pow(more[n], step);
   }
   if (best.quality.flipped > 0)
-    return refuse(issue_id::kTileGeometry, where, "the parameterization folds over itself: the mesh has needle triangles; remesh it, or give texture coordinates");
+    return refuse(issue_id::kTileGeometry, name.file, "the parameterization folds over itself: the mesh has needle triangles; remesh it, or give texture coordinates");
   centre(positions, best.params);
   return best;
 }

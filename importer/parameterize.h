@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "importer/periodic_mesh.h"
 #include "material/result.h"
 
 namespace loden::importer {
@@ -32,7 +33,7 @@ Result<glm::dvec2> findPeriod(std::span<const glm::dvec3> positions, std::span<c
 // Positions with period 1 in x and y. Refuses, with the vertex or triangle named, what is no torus: open or
 // non-manifold edges, several components, handles, degenerate triangles.
 Result<Parameterization> parameterizeTorus(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
-                                           const std::string& where);
+                                           const MeshName& name);
 
 ParameterizationQuality measureParameterization(std::span<const glm::dvec3> positions, std::span<const glm::dvec2> params,
                                                 std::span<const glm::uvec3> triangles);

@@ -23,13 +23,13 @@ struct Use {
 
 }  // namespace
 
-std::string triangleName(const std::string& where, size_t triangle, std::span<const glm::dvec3> positions,
+std::string triangleName(const MeshName& name, size_t triangle, std::span<const glm::dvec3> positions,
                          std::span<const glm::uvec3> triangles) {
   const glm::uvec3& t = triangles[triangle];
-  const glm::dvec3 centre = (positions[t.x] + positions[t.y] + positions[t.z]) / 3.0;
+  const glm::dvec3 centre = name.origin + name.unit * (positions[t.x] + positions[t.y] + positions[t.z]) / 3.0;
   char text[96];
-  std::snprintf(text, sizeof text, ": triangle %zu at (%.4g, %.4g, %.4g)", triangle, centre.x, centre.y, centre.z);
-  return where + text;
+  std::snprintf(text, sizeof text, ": triangle %u at (%.4g, %.4g, %.4g)", name.number(triangle), centre.x, centre.y, centre.z);
+  return name.file + text;
 }
 
 PeriodicNodes periodicNodes(std::span<const glm::dvec3> positions) {
@@ -45,7 +45,7 @@ PeriodicNodes periodicNodes(std::span<const glm::dvec3> positions) {
 }
 
 Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
-                                              const PeriodicNodes& nodes, const std::string& where) {
+                                              const PeriodicNodes& nodes, const MeshName& name) {
   std::map<Edge, std::vector<Use>> edges;
   for (uint32_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
@@ -62,9 +62,9 @@ Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positi
   for (const auto& [edge, uses] : edges) {
     if (uses.size() == 1) continue;
     if (uses.size() > 2 || uses[0].forward == uses[1].forward)
-      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(where, uses.back().triangle, positions, triangles),
+      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(name, uses.back().triangle, positions, triangles),
                    uses.size() > 2 ? "an edge is shared by more than two triangles (the surface is not a manifold); repair the mesh"
-                                   : "faces the other way than triangle " + std::to_string(uses[0].triangle) + " beside it; turn one of them over"};
+                                   : "faces the other way than triangle " + std::to_string(name.number(uses[0].triangle)) + " beside it; turn one of them over"};
     const glm::ivec2 shift(nodeShift(uses[0]) - nodeShift(uses[1]));
     neighbours[3 * uses[0].triangle + size_t(uses[0].corner)] = {uses[1].triangle, shift};
     neighbours[3 * uses[1].triangle + size_t(uses[1].corner)] = {uses[0].triangle, -shift};

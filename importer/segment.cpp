@@ -283,9 +283,9 @@ bool isFlat(std::span<const glm::dvec2> params, std::span<const glm::uvec3> tria
   return true;
 }
 
-Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const std::string& where) {
+Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name) {
   Surface surface{positions, triangles, periodicNodes(positions), {}};
-  auto neighbours = findNeighbours(positions, triangles, surface.nodes, where);
+  auto neighbours = findNeighbours(positions, triangles, surface.nodes, name);
   if (!neighbours) return neighbours.issue();
   surface.neighbours = std::move(*neighbours);
   ChartedMesh mesh;
@@ -300,13 +300,13 @@ Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span
     if (const auto sheet = chartOf(surface, piece)) {
       append(piece, *sheet, uint16_t(++charts), mesh);
     } else if (piece.size() == 1) {
-      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(where, piece[0], positions, triangles), "cannot be flattened: it has no area"};
+      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(name, piece[0], positions, triangles), "cannot be flattened: it has no area"};
     } else {
       auto [a, b] = halve(surface, piece);
       left.push_back(std::move(b)), left.push_back(std::move(a));
     }
     if (charts + left.size() > kMostCharts)
-      return Issue{issue_id::kTileUv, Severity::kError, where, "the surface falls into more than " + std::to_string(kMostCharts) + " charts; give texture coordinates"};
+      return Issue{issue_id::kTileUv, Severity::kError, name.file, "the surface falls into more than " + std::to_string(kMostCharts) + " charts; give texture coordinates"};
   }
   return mesh;
 }

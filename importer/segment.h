@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "importer/periodic_mesh.h"
 #include "material/result.h"
 
 namespace loden::importer {
@@ -24,7 +25,7 @@ struct ChartedMesh {
 // or overlaps and without much stretch (least squares conformal maps, Levy et al. 2002); else it is cut into two
 // halves, and so on. Refuses, with triangle and position named, edges of more than two triangles or of two that
 // face opposite ways.
-Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const std::string& where);
+Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name);
 
 // Whether triangles with these params, one chart, lie the right way round and nowhere over each other: none is
 // turned over, and the border does not cross itself.

@@ -135,10 +135,23 @@ bool showsItsFront(const Tile& tile) {
   return fronts > 0;
 }
 
+// Authored normals that point into most of the surface would leave it black.
+Status checkNormals(const Tile& tile, const std::string& where) {
+  size_t against = 0;
+  for (const glm::uvec3& t : tile.triangles) {
+    const glm::dvec3 front = glm::cross(tile.positions[t.y] - tile.positions[t.x], tile.positions[t.z] - tile.positions[t.x]);
+    against += glm::dot(front, tile.normals[t.x] + tile.normals[t.y] + tile.normals[t.z]) < 0;
+  }
+  if (2 * against <= tile.triangles.size()) return {};
+  return refuse(issue_id::kTileGeometry, where, "the normals of " + std::to_string(against) + " of " + std::to_string(tile.triangles.size()) +
+                    " triangles point to their backs; turn the normals over, or leave them out, and they are computed");
+}
+
 // Facing up on the whole, and whether P.xy is p itself.
 Status orient(Tile& tile, const std::string& where) {
   double deviation = 0;
   if (!showsItsFront(tile)) return refuse(issue_id::kTileGeometry, where, "the surface faces down on the whole; turn it over, or reverse its triangles");
+  if (const Status status = checkNormals(tile, where); !status) return status;
   for (size_t v = 0; v < tile.positions.size(); ++v) {
     const glm::dvec2 d = glm::abs(glm::dvec2(tile.positions[v]) - tile.params[v]);
     deviation = std::max({deviation, d.x, d.y});

@@ -23,6 +23,7 @@ struct PolygonMesh {
   std::vector<glm::dvec2> uvs;      // empty: none in the file
   std::vector<LocalBrdf> brdfs;     // per vertex
   std::vector<int> face_sizes;      // corners per face
+  std::vector<uint32_t> numbers;    // per face, of a repaired mesh: of the triangle in the file, polygons fanned; else empty
   std::vector<uint32_t> corners;    // vertex of each corner, face by face
   std::vector<int> lines;           // where the file is text: the line of each vertex's position, from 1; else empty
 };

@@ -62,7 +62,7 @@ Result<Lattice> latticeOf(const glm::dvec3& u, const glm::dvec3& v, const std::s
 }
 
 // Period 1, parameters along x and y, the surface centred over its parameters.
-void applyLattice(const Lattice& lattice, PolygonMesh& mesh) {
+void applyLattice(const Lattice& lattice, PolygonMesh& mesh, MeshName& name) {
   glm::dvec2 centre(0);
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     mesh.positions[v] /= lattice.period;
@@ -71,15 +71,36 @@ void applyLattice(const Lattice& lattice, PolygonMesh& mesh) {
     centre += (glm::dvec2(mesh.positions[v]) - mesh.uvs[v]) / double(mesh.positions.size());
   }
   for (glm::dvec3& position : mesh.positions) position -= glm::dvec3(centre, 0);
+  name.unit = lattice.period, name.origin = {centre * lattice.period, 0};
 }
 
-// Period 1, for a mesh whose texture coordinates do not say what its period is.
-Status scaleToPeriod(PolygonMesh& mesh, const std::string& where) {
-  const auto period = findPeriod(mesh.positions, triangulate(mesh), where);
+// One point of the surface for each p. Upright walls, which have no area there, are none of p's.
+Status checkFolds(const PolygonMesh& mesh, const MeshName& name) {
+  const auto triangles = triangulate(mesh);
+  size_t folded = 0, first = 0;
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    const glm::dvec2 a = mesh.uvs[triangles[t].x], u = mesh.uvs[triangles[t].y] - a, v = mesh.uvs[triangles[t].z] - a;
+    const double area = u.x * v.y - u.y * v.x;
+    if (area < -1e-9 * std::max(glm::dot(u, u), glm::dot(v, v)) && folded++ == 0) first = t;
+  }
+  if (2 * folded > triangles.size()) return {};  // upside down: seen later, from above
+  if (folded == 0) return {};
+  return refuse(issue_id::kTileUv, triangleName(name, first, mesh.positions, triangles),
+                "its texture coordinates lie over those of others (so do " + std::to_string(folded - 1) + " more): spread them, or leave texture coordinates out, and they are made");
+}
+
+// Period 1 at the origin, for a mesh whose texture coordinates do not say what its period is.
+Status scaleToPeriod(PolygonMesh& mesh, MeshName& name) {
+  const auto period = findPeriod(mesh.positions, triangulate(mesh), name.file);
   if (!period) return period.issue();
   if (std::abs(period->x - period->y) > 10 * kMatch * period->x)
-    return refuse(issue_id::kTileGeometry, where, "the period is not square (" + std::to_string(period->x) + " x " + std::to_string(period->y) + "); repeat or scale the tile until it is");
-  for (glm::dvec3& p : mesh.positions) p /= period->x;
+    return refuse(issue_id::kTileGeometry, name.file, "the period is not square (" + std::to_string(period->x) + " x " + std::to_string(period->y) + "); repeat or scale the tile until it is");
+  glm::dvec2 low(1e300), high(-1e300);
+  for (const glm::dvec3& p : mesh.positions) low = glm::min(low, glm::dvec2(p)), high = glm::max(high, glm::dvec2(p));
+  // By whole periods, so that what is near the origin stays in place: rays are of single precision.
+  const glm::dvec3 away(glm::floor((low + high) / (2 * period->x)), 0);
+  for (glm::dvec3& p : mesh.positions) p = p / period->x - away;
+  name.unit = period->x, name.origin = away * period->x;
   return {};
 }
 
@@ -103,13 +124,13 @@ void takeCharts(const ChartedMesh& charted, PolygonMesh& mesh) {
 }
 
 // For a mesh of period 1: one periodic map if the surface is one closed piece that repeats both ways, else charts.
-Result<ParamOrigin> makeParams(PolygonMesh& mesh, const std::string& where) {
+Result<ParamOrigin> makeParams(PolygonMesh& mesh, const MeshName& name) {
   const auto triangles = triangulate(mesh);
   const PeriodicNodes nodes = periodicNodes(mesh.positions);
-  const auto neighbours = findNeighbours(mesh.positions, triangles, nodes, where);
+  const auto neighbours = findNeighbours(mesh.positions, triangles, nodes, name);
   if (!neighbours) return neighbours.issue();
   if (countComponents(*neighbours) == 1) {
-    auto made = parameterizeTorus(mesh.positions, triangles, where);
+    auto made = parameterizeTorus(mesh.positions, triangles, name);
     const bool open = std::any_of(neighbours->begin(), neighbours->end(), [](const Neighbour& n) { return !n.exists(); });
     if (made) mesh.uvs = std::move(made->params);
     if (made) return ParamOrigin::kLattice;
@@ -117,7 +138,7 @@ Result<ParamOrigin> makeParams(PolygonMesh& mesh, const std::string& where) {
     // folds, and other surfaces have handles.
     if (open || (made.issue().id != issue_id::kTileGeometry && eulerNumber(nodes, triangles, *neighbours) == 0)) return made.issue();
   }
-  const auto charted = segmentMesh(mesh.positions, triangles, where);
+  const auto charted = segmentMesh(mesh.positions, triangles, name);
   if (!charted) return charted.issue();
   takeCharts(*charted, mesh);
   return ParamOrigin::kCharts;
@@ -147,17 +168,21 @@ std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh) {
 }
 
 Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::string& where) {
+  MeshName name(where);
+  name.numbers = mesh.numbers;
   if (!mesh.uvs.empty()) {
     const auto along_u = periodAlong(mesh, 0), along_v = periodAlong(mesh, 1);
     if (along_u && along_v) {
       const auto lattice = latticeOf(*along_u, *along_v, where);
       if (!lattice) return lattice.issue();
-      applyLattice(*lattice, mesh);
+      applyLattice(*lattice, mesh, name);
+      if (subdivide == 0)  // a cage may cross itself where its limit does not
+        if (const Status status = checkFolds(mesh, name); !status) return status.issue();
       if (const Status status = refine(mesh, subdivide, where); !status) return status.issue();
       return ParamOrigin::kLattice;
     }
   }
-  if (const Status status = scaleToPeriod(mesh, where); !status) return status.issue();
+  if (const Status status = scaleToPeriod(mesh, name); !status) return status.issue();
   if (subdivide == 0 && !mesh.uvs.empty() && takeAtlas(mesh)) return ParamOrigin::kAtlas;
   if (subdivide > 0) {  // any texture coordinates do that repeat with the surface
     mesh.uvs.clear();
@@ -165,7 +190,7 @@ Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::stri
     if (const Status status = refine(mesh, subdivide, where); !status) return status.issue();
   }
   mesh.uvs.clear();
-  return makeParams(mesh, where);
+  return makeParams(mesh, name);
 }
 
 }  // namespace loden::importer

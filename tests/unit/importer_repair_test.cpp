@@ -129,6 +129,23 @@ TEST(MeshRepair, RefusesEdgesOfThreeTrianglesByName) {
   EXPECT_NE(issue.text.find("more than two"), std::string::npos) << issue.text;
 }
 
+TEST(MeshRepair, LaterRefusalsCountTrianglesAsTheFileDoes) {
+  const auto numberOf = [](const std::string& before) {  // a grid of period 4 far from the origin, without texture coordinates and with a hole
+    const TemporaryFolder folder;
+    std::string text = objGrid(8, [](glm::dvec2 q) { return 4.0 * glm::dvec3(q.x + 5, q.y - 7, .05 * std::sin(2 * kPi * q.x)); }, nullptr);
+    text.insert(text.find("f "), before);
+    text.erase(text.rfind("f 40 "), text.find('\n', text.rfind("f 40 ")) - text.rfind("f 40 ") + 1);
+    const auto tile = loadTile(folder.write("t.obj", text).string());
+    EXPECT_FALSE(tile.ok());
+    EXPECT_NE(tile.issue().where.find("at (2"), std::string::npos) << tile.issue().where;  // x in the file's units
+    const size_t at = tile.issue().where.find("triangle ");
+    return at == std::string::npos ? -1 : std::stoi(tile.issue().where.substr(at + 9));
+  };
+  const int plain = numberOf("");
+  EXPECT_GE(plain, 0);
+  EXPECT_EQ(numberOf("f 1 2 2\nf 1 2 2\nf 1 2 2\n"), plain + 3);
+}
+
 TEST(MeshRepair, RefusesNeighboursThatFaceOppositeWaysByName) {
   const Issue issue = refusal(gridWith(face({kA, kD, kC, kB})));
   EXPECT_EQ(issue.id, issue_id::kTileGeometry);

@@ -165,6 +165,42 @@ TEST(TileObj, GetsAParameterizationIfItHasNone) {
   }
 }
 
+TEST(TileObj, IsTheSameTileWhereverItsMeshStands) {
+  const TemporaryFolder folder;
+  const auto tileAt = [&](double away) {
+    const auto waves = [away](glm::dvec2 q) {
+      return glm::dvec3(q + away, 0.05 * std::sin(2 * kPi * q.x) * std::cos(2 * kPi * q.y));
+    };
+    return *loadTile(folder.write("t.obj", objGrid(12, waves, nullptr)).string());
+  };
+  const Tile here = tileAt(0), there = tileAt(1e6);
+  ASSERT_EQ(here.positions.size(), there.positions.size());
+  for (size_t v = 0; v < here.positions.size(); ++v) {
+    EXPECT_LT(glm::distance(here.positions[v], there.positions[v]), 1e-8);  // of doubles around 1e6
+    EXPECT_LT(glm::distance(here.params[v], there.params[v]), 1e-6);
+  }
+}
+
+TEST(TileObj, RefusesTextureCoordinatesThatFold) {
+  const TemporaryFolder folder;
+  const auto folded = [](glm::dvec2 q) { return glm::distance(q, glm::dvec2(0.5)) < 0.1 ? q + glm::dvec2(0.3, 0) : q; };
+  const auto tile = loadTile(folder.write("t.obj", objGrid(8, kFlat, folded)).string());
+  ASSERT_FALSE(tile.ok());
+  EXPECT_EQ(tile.issue().id, issue_id::kTileUv);
+  EXPECT_NE(tile.issue().where.find("triangle "), std::string::npos) << tile.issue().where;
+  // Upright walls have no area in p, and lie over nobody.
+  const auto stairs = [](glm::dvec2 q) { return glm::dvec3(std::floor(4 * q.x + 0.5) / 4, q.y, 0.1 * std::cos(2 * kPi * q.x)); };
+  const auto above = [&](glm::dvec2 q) { return glm::dvec2(stairs(q)); };
+  EXPECT_EQ(refusal(folder.write("s.obj", objGrid(8, stairs, above))), 0);
+}
+
+TEST(TileObj, RefusesNormalsThatPointDown) {
+  const TemporaryFolder folder;
+  const auto text = [](const char* normal) { return std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn ") + normal + "\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"; };
+  EXPECT_EQ(refusal(folder.write("t.obj", text("0 0 1"))), 0);
+  EXPECT_EQ(refusal(folder.write("t.obj", text("0 0 -1"))), issue_id::kTileGeometry);
+}
+
 TEST(TileObj, DropsDegenerateAndDuplicateTriangles) {
   const TemporaryFolder folder;
   const auto path = folder.write("t.obj", objGrid(4, kFlat, kSame) + "f 1/1 2/2 7/7\nf 1/1 1/1 2/2\nf 1/1 2/2 3/3\n");

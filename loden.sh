@@ -26,7 +26,7 @@ usage: ./loden.sh VERB
   test      build everything and run all tests
   bench     build and run the benchmarks
   studies   run the papers' studies; tables and JSON below out/studies
-  pictures  ray traced truth beside the three modes, near and far: PSNR, FLIP and one picture
+  pictures  ray traced truth beside the three modes, near, far and magnified: PSNR, FLIP and one picture
   build     build the libraries, the tools and the tests
   clean     remove build/ and out/
   help      this text
@@ -260,6 +260,7 @@ verb_pictures() {
     fused=$(cook_tile "$tile" "$baked" fused --mode fused)
     tests/studies/pictures.sh "$BIN" out/pictures "$tile" "$surface" "$lod" "$fused"
   done | tee -a out/pictures/table.md
+  "$BIN/picture_grid" out/pictures/magnified.png 1 out/pictures/{button,isba,pulli,sponge}-magnified.png
   say "table: $PWD/out/pictures/table.md, pictures beside it"
 }
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Ray traced truth beside what loden_walk draws in the three modes, near and far.
+# Ray traced truth beside what loden_walk draws in the three modes, near, far and magnified (eight pixels a texel).
 # usage: pictures.sh BIN OUT TILE SURFACE.loden LOD.loden FUSED.loden
-# Writes OUT/TILE-<camera>-<mode>.png, OUT/TILE.png (rows near, far; columns truth, surface, lod, fused) and
-# prints one Markdown table row per mode and camera.
+# Writes OUT/TILE-<camera>-<mode>.png, OUT/TILE.png (rows near, far; columns truth, surface, lod, fused), one such row
+# in OUT/TILE-magnified.png, and prints one Markdown table row per mode and camera.
 set -euo pipefail
 readonly bin=$1 out=$2 tile=$3
 readonly -A assets=([surface]=$4 [lod]=$5 [fused]=$6)
@@ -11,7 +11,7 @@ here=$(dirname "${BASH_SOURCE[0]}")
 mkdir -p "$out"
 
 pictures=()
-for camera in near far; do
+for camera in near far magnified; do
   common=(--surface plane --camera "$here/cameras/$camera.json" --light "$light" --size "$size")
   truth=$out/$tile-$camera-truth.png
   "$bin/loden" -q trace "builtin:$tile" -o "$truth" "${common[@]}" --spp 256 >&2
@@ -27,4 +27,5 @@ for camera in near far; do
     printf '| %s | %s | %s | %s | %.3f |\n' "$tile" "$camera" "$mode" "$psnr" "$flip"
   done
 done
-"$bin/picture_grid" "$out/$tile.png" 4 "${pictures[@]}"
+"$bin/picture_grid" "$out/$tile.png" 4 "${pictures[@]:0:8}"
+"$bin/picture_grid" "$out/$tile-magnified.png" 4 "${pictures[@]:8}"

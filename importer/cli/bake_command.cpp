@@ -144,7 +144,7 @@ class BakeCommand : public Command {
     printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),
                         withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(), report.seconds) +
               (report.complete ? "\n" : "; other shards are still to come\n"));
-    if (globals.verbose && report.complete) printParameterization();
+    if (report.complete) printParameterization();
   }
 
   void printParameterization() const {

@@ -23,7 +23,7 @@ struct CookOptions {
   Preset preset = Preset::kGame;
   int y_components = 0, cb_components = 0, cr_components = 0;  // all 0: the preset's
   Shadows shadows = Shadows::kJoint;
-  int light_components = 0;  // of kSplit; 0: the preset's
+  int light_components = 0;  // of kSplit; 0: the preset's, or what a goal leaves room for
   int levels = 0;            // 0: the preset's
   uint64_t max_bytes = 0;    // goal; 0: none. Bytes of all raw data in the file
   double target_rmse = 0;    // goal on Y, white = 1; 0: none

@@ -41,7 +41,7 @@ class CookCommand : public Command {
     options.text("--components", components_, "Y,CB,CR components; fused: CB = CR for what a ratio to Y leaves; default: the preset's");
     options.choice("--shadows", shadows_, {"joint", "split"},
                    "fused: cast shadows in the components, or in a map of their own that multiplies them");
-    options.integer("--light-components", cook_.light_components, "Components of that map; 0: the preset's", 0, 32);
+    options.integer("--light-components", cook_.light_components, "Components of that map; 0: the preset's, or what a goal leaves room for", 0, 32);
     options.integer("--levels", cook_.levels, "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
     options.flag("--fix-nonfinite", fix_nonfinite_, "Repair values that are not finite from their neighbours, and say so");
     options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
@@ -157,11 +157,11 @@ class CookCommand : public Command {
       printText("no trade was measured: give --max-bytes or --target-rmse with --mode fused\n");
       return;
     }
-    std::string text = "trade, measured with shortened fits (the asset's own error stands above). phis: columns of the flat map's direction grid;\n"
+    std::string text = "trade, measured with shortened fits (the asset's own error stands above). light: components of the light factor; phis: columns of the flat map's direction grid;\n"
                        "flat x: its texels to one of the reference; geometry: texels per side of the geometry image\n";
-    text += formatted("%12s %5s %6s %5s %9s %12s %10s\n", "Y components", "phis", "flat x", "bits", "geometry", "bytes", "RMSE of Y");
+    text += formatted("%12s %6s %5s %6s %5s %9s %12s %10s\n", "Y components", "light", "phis", "flat x", "bits", "geometry", "bytes", "RMSE of Y");
     for (const auto& point : meta["trade"])
-      text += formatted("%12d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("phis", 0),
+      text += formatted("%12d %6d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("light_components", 0), point.value("phis", 0),
                         point.value("flat_scale", 0.0), point.value("bits", 0), point.value("geometry_side", 0),
                         withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
                         point.value("pareto", false) ? " *" : "");

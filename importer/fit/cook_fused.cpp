@@ -233,7 +233,9 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
-    const Goal goal{options.max_bytes, options.target_rmse, options.levels, plan.light_components};
+    Goal goal{options.max_bytes, options.target_rmse, options.levels};
+    if (options.light_components > 0) goal.light_components = {options.light_components};
+    else if (options.shadows == Shadows::kSplit) goal.light_components = {12, 8, 4};
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
     std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image
     const auto trial = [&](FusedPlan candidate) -> Result<double> {

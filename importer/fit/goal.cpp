@@ -65,7 +65,10 @@ class Search {
  private:
   std::vector<FusedPlan> plans() const {
     std::vector<FusedPlan> all = structures(geometry_side_);
-    for (FusedPlan& plan : all) plan.levels = goal_.levels, plan.light_components = goal_.light_components;
+    for (const int light : goal_.light_components) {
+      for (FusedPlan& plan : all) plan.levels = goal_.levels, plan.light_components = light;
+      if (fits(withComponents(all.front(), 4))) break;
+    }
     return all;
   }
   FusedPlan smallest() const { return withComponents(plans().front(), 4); }
@@ -105,7 +108,8 @@ class Search {
     }
     const FusedPlan least = smallest();
     return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
-                 "is too little: the smallest fused asset of this input takes " + std::to_string(bytes(least)) + " bytes"};
+                 "is too little: the smallest fused asset of this input takes " + std::to_string(bytes(least)) + " bytes" +
+                     (least.light_components > 0 ? "; without shadows apart (--shadows joint) less" : "")};
   }
 
   // For each structure the fewest components that reach the target, unless they already cost more than the best.

@@ -108,7 +108,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
   const std::vector<TradePoint> front = paretoFront(trade);
   for (const TradePoint& p : trade) {
     const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) { return f.bytes == p.bytes && f.rmse_y == p.rmse_y; });
-    meta["trade"].push_back({{"y_components", p.plan.y_components}, {"phis", p.plan.phis}, {"flat_scale", p.plan.flat_scale},
+    meta["trade"].push_back({{"y_components", p.plan.y_components}, {"light_components", p.plan.light_components}, {"phis", p.plan.phis}, {"flat_scale", p.plan.flat_scale},
                              {"bits", p.plan.storage == Storage::kSnorm16 ? 16 : 8}, {"geometry_side", p.plan.geometry_side}, {"bytes", p.bytes}, {"rmse_y", p.rmse_y}, {"pareto", pareto}});
   }
   return meta.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // paths need not be UTF-8

@@ -354,6 +354,20 @@ TEST(Goal, HoldsWithTheLevelsAskedFor) {
   EXPECT_LT(*pretended(choosePlan({300000, 0, 1}, 64, 128, pretended)->plan), *pretended(choosePlan({300000, 0, 0}, 64, 128, pretended)->plan));
 }
 
+TEST(Goal, TakesTheFirstLightFactorThatLeavesRoom) {
+  const auto lightOf = [](uint64_t bytes, std::vector<int> light) {
+    const auto choice = choosePlan({bytes, 0, 0, std::move(light)}, 64, 128, pretended);
+    if (!choice) return -1;
+    EXPECT_LE(fusedBytes(choice->plan, 64, choice->plan.geometry_side), bytes);
+    EXPECT_EQ(choice->plan.coarse_y, choice->plan.y_components + choice->plan.light_components);
+    return choice->plan.light_components;
+  };
+  EXPECT_EQ(lightOf(600000, {12, 8, 4}), 12);
+  EXPECT_EQ(lightOf(260000, {12, 8, 4}), 8);
+  EXPECT_EQ(lightOf(200000, {12, 8, 4}), 4);
+  EXPECT_EQ(lightOf(200000, {12}), -1) << "asked for by the user: nothing else is tried";
+}
+
 TEST(Goal, SaysWhatCannotBeMet) {
   const auto bytes = choosePlan({1000, 0}, 64, 128, pretended);
   ASSERT_FALSE(bytes.ok());

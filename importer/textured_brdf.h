@@ -1,0 +1,17 @@
+// Reflectance of textured surfaces; not installed.
+#pragma once
+
+#include <span>
+
+#include "importer/tile.h"
+
+namespace loden::importer {
+
+// The reflectance at a material's texture coordinates.
+LocalBrdf brdfAt(const TileMaterial& material, glm::dvec2 base_color, glm::dvec2 metallic_roughness);
+
+// Replaces `brdf`, as interpolated, by that of the pictures at the weights of a triangle's corners, if it has any.
+void readTextures(std::span<const TileMaterial> materials, std::span<const TexturePoint> points, const glm::uvec3& corners,
+                  const double (&weights)[3], LocalBrdf& brdf);
+
+}  // namespace loden::importer

@@ -146,7 +146,7 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   hit.ray_origin = rotation * (position + lift + kLift * geometric);
   hit.tile_position = tile_position;
   hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent), glm::vec3(f0), static_cast<float>(alpha)};
-  if (!texture_points.empty()) readTextures(materials, texture_points, triangle, b, hit.brdf);
+  if (!texture_points.empty()) readTextures(materials, texture_points, triangle, {b[1], b[2]}, hit.brdf);
   return hit;
 }
 

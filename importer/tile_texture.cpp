@@ -37,9 +37,10 @@ LocalBrdf brdfAt(const TileMaterial& m, glm::dvec2 base_color, glm::dvec2 metall
 }
 
 void readTextures(std::span<const TileMaterial> materials, std::span<const TexturePoint> points, const glm::uvec3& corners,
-                  const double (&weights)[3], LocalBrdf& brdf) {
+                  glm::dvec2 b, LocalBrdf& brdf) {
   const uint32_t material = points[corners.x].material;
   if (material == TexturePoint::kNone) return;
+  const double weights[3] = {1 - b.x - b.y, b.x, b.y};
   glm::dvec2 base_color(0), metallic_roughness(0);
   for (int k = 0; k < 3; ++k) {
     base_color += weights[k] * points[corners[k]].base_color;

@@ -97,6 +97,24 @@ void feed(XXH3_state_t* state, const T& value) {
   XXH3_128bits_update(state, &value, sizeof value);
 }
 
+void feedTexture(XXH3_state_t* state, const TileTexture* texture) {
+  feed(state, texture != nullptr);
+  if (!texture) return;
+  feed(state, texture->width), feed(state, texture->height);
+  feed(state, texture->wrap_u), feed(state, texture->wrap_v), feed(state, texture->nearest);
+  XXH3_128bits_update(state, texture->texels.data(), texture->texels.size() * sizeof texture->texels[0]);
+}
+
+// Nothing for tiles without textures: their hash stays.
+void feedTextures(XXH3_state_t* state, const Tile& tile) {
+  for (const TexturePoint& point : tile.texture_points)
+    feed(state, point.material), feed(state, point.base_color), feed(state, point.metallic_roughness);
+  for (const TileMaterial& material : tile.materials) {
+    feed(state, material.base_color), feed(state, material.metallic), feed(state, material.roughness);
+    feedTexture(state, material.base_color_texture.get()), feedTexture(state, material.metallic_roughness_texture.get());
+  }
+}
+
 }  // namespace
 
 Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifest& manifest, bool resume, bool shared) {
@@ -154,6 +172,7 @@ std::string tileHash(const Tile& tile) {
   }
   for (const glm::uvec3& triangle : tile.triangles) feed(state, triangle);
   for (const uint16_t chart : tile.charts) feed(state, chart);
+  feedTextures(state, tile);
   const XXH128_hash_t hash = XXH3_128bits_digest(state);
   XXH3_freeState(state);
   char text[33];

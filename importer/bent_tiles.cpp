@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "importer/textured_brdf.h"
 #include "material/check.h"
 #include "material/directions.h"
 
@@ -49,6 +50,8 @@ struct BentTiles::Impl {
   };
   std::vector<glm::uvec3> triangles;
   std::vector<LocalBrdf> brdfs;
+  std::vector<TileMaterial> materials;
+  std::vector<TexturePoint> texture_points;
   std::vector<glm::dvec3> flat_positions;  // before bending
   std::vector<Row> rows;
   std::vector<glm::dmat3> rotations;  // per column, world from the first column
@@ -143,6 +146,7 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   hit.ray_origin = rotation * (position + lift + kLift * geometric);
   hit.tile_position = tile_position;
   hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent), glm::vec3(f0), static_cast<float>(alpha)};
+  if (!texture_points.empty()) readTextures(materials, texture_points, triangle, {b[1], b[2]}, hit.brdf);
   return hit;
 }
 
@@ -150,6 +154,8 @@ BentTiles::BentTiles(const Tile& tile, const AnalyticSurface& surface) : impl_(s
   LODEN_CHECK(impl_->device != nullptr);
   impl_->triangles = tile.triangles;
   impl_->brdfs = tile.brdfs;
+  impl_->materials = tile.materials;
+  impl_->texture_points = tile.texture_points;
   impl_->flat_positions = tile.positions;
   impl_->bendRows(tile, surface);
   impl_->buildColumn();

@@ -12,9 +12,8 @@
 
 #include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
-#include "importer/mesh_material.h"
+#include "importer/gltf_materials.h"
 #include "importer/tile_internal.h"
-#include "material/color.h"
 #include "material/confined_path.h"
 #include "material/gltf_extensions.h"
 #include "material/issues.h"
@@ -78,7 +77,7 @@ std::optional<ComponentKind> componentKind(int type) {
 
 class GltfMeshReader {
  public:
-  GltfMeshReader(const tinygltf::Model& model, std::string name) : model_(model), name_(std::move(name)) {}
+  GltfMeshReader(const tinygltf::Model& model, const std::string& name) : model_(model), name_(name), materials_(model, name) {}
   Result<PolygonMesh> read();
 
  private:
@@ -87,7 +86,9 @@ class GltfMeshReader {
   // [element][channel] as doubles; `channels` must match.
   Result<std::vector<double>> accessor(int index, int channels, const std::string& where) const;
   Status addIndices(int index, size_t first, size_t vertices, const std::string& where);
-  Status addBrdfs(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where);
+  Status addMaterial(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where);
+  Result<std::vector<glm::dvec2>> textureCoordinates(const tinygltf::Primitive& primitive, const GltfTextureUse& use, size_t vertices,
+                                                     const std::string& where) const;
 
   Issue refuse(int id, const std::string& where, const std::string& why) const {
     return {id, Severity::kError, name_ + ": " + where, why};
@@ -95,6 +96,7 @@ class GltfMeshReader {
 
   const tinygltf::Model& model_;
   const std::string name_;
+  GltfMaterials materials_;
   PolygonMesh mesh_;
   std::vector<bool> visited_;  // [node]
   bool without_uvs_ = false;
@@ -119,6 +121,9 @@ Result<PolygonMesh> GltfMeshReader::read() {
   for (const int node : model_.scenes[scene].nodes)
     if (const Status status = addNode(node, glm::dmat4(1), 0); !status) return status.issue();
   if (without_uvs_) mesh_.uvs.clear();
+  mesh_.materials = std::move(materials_.textured);
+  if (mesh_.materials.empty()) mesh_.texture_points.clear();
+  mesh_.warnings = std::move(materials_.warnings);
   return std::move(mesh_);
 }
 
@@ -210,7 +215,7 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
   if (Status s = addIndices(primitive.indices, first, vertices, where); !s) return s;
   if (glm::determinant(glm::dmat3(world)) < 0)  // a mirror: glTF turns the triangles with it
     for (size_t k = first_corner; k < mesh_.corners.size(); k += 3) std::swap(mesh_.corners[k + 1], mesh_.corners[k + 2]);
-  return addBrdfs(primitive, vertices, where);
+  return addMaterial(primitive, vertices, where);
 }
 
 Status GltfMeshReader::addIndices(int index, size_t first, size_t vertices, const std::string& where) {
@@ -232,59 +237,46 @@ Status GltfMeshReader::addIndices(int index, size_t first, size_t vertices, cons
   return {};
 }
 
-// Linear RGB at uv (v down, as glTF has it), bilinear, repeated; white if the texture holds no 8-bit pixels, NaN where
-// uv is not finite.
-glm::vec3 sampleTexture(const tinygltf::Image& image, glm::dvec2 uv) {
-  const int w = image.width, h = image.height, channels = image.component;
-  if (w < 1 || h < 1 || channels < 3 || image.bits != 8 || image.image.size() < size_t(w) * size_t(h) * size_t(channels)) return glm::vec3(1);
-  if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return glm::vec3(std::nanf(""));
-  const glm::dvec2 texel = (uv - glm::floor(uv)) * glm::dvec2(w, h) - 0.5, base = glm::floor(texel), f = texel - base;
-  const auto at = [&](int dx, int dy) {
-    const int x = (int(base.x) + dx + w) % w, y = (int(base.y) + dy + h) % h;
-    const unsigned char* pixel = &image.image[(size_t(y) * size_t(w) + size_t(x)) * size_t(channels)];
-    return glm::dvec3(linearFromSrgb(pixel[0] / 255.0), linearFromSrgb(pixel[1] / 255.0), linearFromSrgb(pixel[2] / 255.0));
-  };
-  return glm::vec3(glm::mix(glm::mix(at(0, 0), at(1, 0), f.x), glm::mix(at(0, 1), at(1, 1), f.x), f.y));
-}
-
-Status GltfMeshReader::addBrdfs(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where) {
-  glm::vec3 base(1);
-  float metallic = 1, roughness = 1;
-  const tinygltf::Image* image = nullptr;
-  int texture_coordinates = 0;
-  if (primitive.material >= 0) {
-    if (size_t(primitive.material) >= model_.materials.size()) return refuse(issue_id::kGltfNode, where, "its material does not exist");
-    const auto& pbr = model_.materials[size_t(primitive.material)].pbrMetallicRoughness;
-    if (pbr.baseColorFactor.size() >= 3) base = glm::vec3(glm::make_vec3(pbr.baseColorFactor.data()));
-    metallic = float(pbr.metallicFactor), roughness = float(pbr.roughnessFactor);
-    const int texture = pbr.baseColorTexture.index;
-    if (texture >= 0 && size_t(texture) < model_.textures.size()) {
-      const int source = model_.textures[size_t(texture)].source;
-      if (source >= 0 && size_t(source) < model_.images.size()) image = &model_.images[size_t(source)];
-      texture_coordinates = pbr.baseColorTexture.texCoord;
-    }
-  } else {
-    base = glm::vec3(0.5f), metallic = 0;
-  }
-  std::vector<double> uvs;
-  if (image) {
-    const auto found = primitive.attributes.find("TEXCOORD_" + std::to_string(texture_coordinates));
-    auto read = accessor(found == primitive.attributes.end() ? -1 : found->second, 2, where + " base colour coordinates");
-    if (!read) return read.issue();
-    if (read->size() != 2 * vertices) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
-    uvs = std::move(*read);
-  }
-  for (size_t v = 0; v < vertices; ++v) {
-    const glm::vec3 tint = image ? sampleTexture(*image, {uvs[2 * v], uvs[2 * v + 1]}) : glm::vec3(1);
-    mesh_.brdfs.push_back(brdfFromMetallicRoughness(base * tint, metallic, roughness));
-  }
+Status GltfMeshReader::addMaterial(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where) {
+  const auto found = materials_.at(primitive.material);
+  if (!found) return found.issue();
+  const GltfMaterial& material = **found;
+  if (primitive.attributes.contains("COLOR_0"))
+    materials_.warn(where + ", " + material.label, "COLOR_0 is not baked; put the vertices' colours into a base colour texture");
+  mesh_.brdfs.insert(mesh_.brdfs.end(), vertices, material.brdf);
+  const size_t first = mesh_.texture_points.size();
+  mesh_.texture_points.resize(first + vertices);
+  if (material.index == TexturePoint::kNone) return {};
+  const auto base_color = textureCoordinates(primitive, material.base_color, vertices, where);
+  if (!base_color) return base_color.issue();
+  const auto metallic_roughness = textureCoordinates(primitive, material.metallic_roughness, vertices, where);
+  if (!metallic_roughness) return metallic_roughness.issue();
+  for (size_t v = 0; v < vertices; ++v) mesh_.texture_points[first + v] = {material.index, (*base_color)[v], (*metallic_roughness)[v]};
   return {};
 }
+
+// Of all vertices; 0 if there is no texture.
+Result<std::vector<glm::dvec2>> GltfMeshReader::textureCoordinates(const tinygltf::Primitive& primitive, const GltfTextureUse& use, size_t vertices,
+                                                                   const std::string& where) const {
+  std::vector<glm::dvec2> coordinates(vertices, glm::dvec2(0));
+  if (use.set < 0) return coordinates;
+  const std::string attribute = "TEXCOORD_" + std::to_string(use.set);
+  const auto found = primitive.attributes.find(attribute);
+  if (found == primitive.attributes.end()) return refuse(issue_id::kGltfAccessor, where, "has no " + attribute + ", which a texture of its material asks for");
+  const auto read = accessor(found->second, 2, where + " " + attribute);
+  if (!read) return read.issue();
+  if (read->size() != 2 * vertices) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
+  for (size_t v = 0; v < vertices; ++v) coordinates[v] = glm::dvec2(use.transform * glm::dvec3((*read)[2 * v], (*read)[2 * v + 1], 1));
+  return coordinates;
+}
+
+// What the runtime's scenes may require, and what tiles have besides.
+bool isReadable(std::string_view extension) { return isSupportedGltfExtension(extension) || extension == "KHR_texture_transform"; }
 
 Status checkRequired(const nlohmann::ordered_json& json, const std::string& name) {
   for (size_t k = 0; k < arraySize(json, "extensionsRequired"); ++k) {
     const nlohmann::ordered_json& extension = json["extensionsRequired"][k];
-    if (extension.is_string() && isSupportedGltfExtension(extension.get_ref<const std::string&>())) continue;
+    if (extension.is_string() && isReadable(extension.get_ref<const std::string&>())) continue;
     return Issue{issue_id::kGltfRequired, Severity::kError, name + ": extensionsRequired",
                  extension.dump() + " is needed to read this file and not supported; export without"};
   }
@@ -314,7 +306,8 @@ Result<PolygonMesh> readGltfMesh(const fs::path& path) {
   } catch (const std::exception& thrown) {
     error = thrown.what();
   }
-  if (!loaded) return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};
+  // An error beside a loaded file: what stands behind it in the same object was not read.
+  if (!loaded || !error.empty()) return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};
   return GltfMeshReader(model, name).read();
 }
 

@@ -21,6 +21,11 @@ struct Face {
   size_t number;  // in the file
 };
 
+// Of vertices of one triangle.
+TexturePoint between(const TexturePoint& a, const TexturePoint& b, double t) {
+  return {a.material, glm::mix(a.base_color, b.base_color, t), glm::mix(a.metallic_roughness, b.metallic_roughness, t)};
+}
+
 class Repair {
  public:
   Repair(PolygonMesh& mesh, const std::string& where) : mesh_(mesh), where_(where), triangles_(triangulate(mesh)) {
@@ -135,6 +140,7 @@ class Repair {
     mesh_.normals.push_back(glm::mix(mesh_.normals[a], mesh_.normals[b], t));
     if (!mesh_.uvs.empty()) mesh_.uvs.push_back(glm::mix(mesh_.uvs[a], mesh_.uvs[b], t));
     mesh_.brdfs.push_back(LocalBrdf(mesh_.brdfs[t < 0.5 ? a : b]));
+    if (!mesh_.texture_points.empty()) mesh_.texture_points.push_back(between(mesh_.texture_points[a], mesh_.texture_points[b], t));
     same_.push_back(v);
     return uint32_t(mesh_.positions.size() - 1);
   }

@@ -1,6 +1,7 @@
 // A tile's polygons from a Wavefront OBJ file: v, vt, vn, f (polygons, negative indices), and Kd, Ks, Ns of the
 // materials beside it. z is up.
 #include <array>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -27,7 +28,7 @@ class ObjReader {
   Status readFace(std::istringstream& line);
   Result<uint32_t> vertex(const std::string& corner);
   Status readMaterials(const std::string& file);
-  Status readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where, glm::vec3& specular, LocalBrdf& brdf) const;
+  Status readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where, glm::vec3& specular, LocalBrdf& brdf);
   std::string here() const { return path_.string() + ": line " + std::to_string(line_); }
   Issue refuse(int id, const std::string& why) const { return {id, Severity::kError, here(), why}; }
 
@@ -145,36 +146,49 @@ Status ObjReader::readMaterials(const std::string& file) {
   const auto text = readFile(*path);
   if (!text) return text.issue();
   std::istringstream lines(*text);
+  std::string name;
   LocalBrdf* brdf = nullptr;
   glm::vec3 specular(0);
   int number = 0;
   for (std::string text_line; std::getline(lines, text_line);) {
-    const std::string where = path->string() + ": line " + std::to_string(++number);
+    std::string where = path->string() + ": line " + std::to_string(++number);
     std::istringstream line(text_line);
     std::string keyword;
     line >> keyword;
     if (keyword == "newmtl") {
-      std::string name;
+      name.clear();
       line >> name;
       brdf = &materials_[name];
       specular = glm::vec3(0);
     }
     if (!brdf) continue;
+    where += ", material '" + name + "'";
     if (const Status status = readMaterialLine(keyword, line, where, specular, *brdf); !status) return status;
   }
   return {};
 }
 
 Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where,
-                                   glm::vec3& specular, LocalBrdf& brdf) const {
+                                   glm::vec3& specular, LocalBrdf& brdf) {
+  const auto checked = [&](double value, double most) -> Status {
+    if (value >= 0 && value <= most) return {};
+    std::ostringstream text;
+    text << keyword << " is " << value << " and must be " << (most == 1 ? "0 to 1" : "a finite number from 0 on") << "; correct the material";
+    return Issue{issue_id::kTileMaterial, Severity::kError, where, text.str()};
+  };
   if (keyword == "Kd" || keyword == "Ks") {
     const auto rgb = numbers(line, 3, 3, where);
     if (!rgb) return rgb.issue();
+    for (const double value : *rgb)
+      if (Status status = checked(value, 1); !status) return status;
     (keyword == "Kd" ? brdf.diffuse : specular) = glm::vec3((*rgb)[0], (*rgb)[1], (*rgb)[2]);
   } else if (keyword == "Ns") {
     const auto exponent = numbers(line, 1, 1, where);
     if (!exponent) return exponent.issue();
+    if (Status status = checked((*exponent)[0], std::numeric_limits<float>::max()); !status) return status;
     brdf.exponent = static_cast<float>((*exponent)[0]);
+  } else if (keyword.starts_with("map_")) {
+    mesh_.warnings.push_back({issue_id::kTileMaterial, Severity::kWarning, where, keyword + " is not baked; textures are taken from glTF files"});
   }
   brdf.specular = luminance(specular) * lobePeak(brdf.exponent);
   return {};

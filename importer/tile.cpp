@@ -19,7 +19,8 @@ bool finiteVertex(const Tile& tile, size_t v) {
   const LocalBrdf& brdf = tile.brdfs[v];
   return finite(tile.positions[v]) && finite(tile.normals[v]) && finite(tile.params[v]) &&
          finite(glm::dvec3(brdf.diffuse)) && std::isfinite(brdf.specular) && std::isfinite(brdf.exponent) &&
-         finite(glm::dvec3(brdf.f0)) && std::isfinite(brdf.alpha);
+         finite(glm::dvec3(brdf.f0)) && std::isfinite(brdf.alpha) &&
+         (tile.texture_points.empty() || (finite(tile.texture_points[v].base_color) && finite(tile.texture_points[v].metallic_roughness)));
 }
 
 Status checkFinite(const Tile& tile, const std::string& where) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "importer/tile_texture.h"
 #include "material/result.h"
 
 namespace loden::importer {
@@ -33,9 +34,13 @@ struct Tile {
   std::vector<glm::dvec3> normals;       // unit shading normals, per vertex
   std::vector<glm::dvec2> params;        // per vertex
   std::vector<LocalBrdf> brdfs;          // per vertex, interpolated linearly
+  // Textured surfaces: what their pictures say at a point stands in for its interpolated brdf.
+  std::vector<TileMaterial> materials;
+  std::vector<TexturePoint> texture_points;  // per vertex; empty if nothing is textured
   std::vector<glm::uvec3> triangles;
   std::vector<uint16_t> charts;          // per triangle, 1-based; one chart if the surface is connected
   bool identity_parameterization = false;  // P.xy == p everywhere
+  std::vector<Issue> warnings;           // what the file holds and a bake does not show
 };
 
 struct TileOptions {

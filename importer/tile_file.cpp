@@ -21,10 +21,12 @@ constexpr double kLeastGutter = 1.0 / 32;  // tile periods; charts of files that
 Issue refuse(int id, const std::string& where, const std::string& why) { return {id, Severity::kError, where, why}; }
 
 bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool isFinite(const glm::dvec2& v) { return isFinite(glm::dvec3(v, 0)); }
 
 // Nothing of vertex v but its normal, which can be made anew, fails to be finite.
 bool isSound(const PolygonMesh& mesh, size_t v) {
-  return isFinite(mesh.positions[v]) && (mesh.uvs.empty() || isFinite(glm::dvec3(mesh.uvs[v], 0)));
+  return isFinite(mesh.positions[v]) && (mesh.uvs.empty() || isFinite(mesh.uvs[v])) &&
+         (mesh.texture_points.empty() || (isFinite(mesh.texture_points[v].base_color) && isFinite(mesh.texture_points[v].metallic_roughness)));
 }
 bool isFinite(const LocalBrdf& b) {
   return isFinite(glm::dvec3(b.diffuse)) && isFinite(glm::dvec3(b.f0)) && std::isfinite(b.specular) && std::isfinite(b.exponent) && std::isfinite(b.alpha);
@@ -40,19 +42,24 @@ BadVertices findNonFinite(const PolygonMesh& mesh) {
   return bad;
 }
 
-// Gives every unsound vertex the mean position and texture coordinate of its sound neighbours in faces, where its own
-// is not finite, and the reflectance of one of them; in rounds from the border of a damaged area inwards. What has no
+// Gives every unsound vertex the mean position and texture coordinates of its sound neighbours in faces, where its own
+// are not finite, and the reflectance of one of them; in rounds from the border of a damaged area inwards. What has no
 // neighbour stays as it is.
 void moveUnsoundVertices(PolygonMesh& mesh) {
   for (bool moved = true; moved;) {
     moved = false;
     std::vector<glm::dvec3> position(mesh.positions.size(), glm::dvec3(0));
     std::vector<glm::dvec2> uv(mesh.positions.size(), glm::dvec2(0));
+    std::vector<TexturePoint> on_pictures(mesh.texture_points.size());
     std::vector<int> neighbours(mesh.positions.size(), 0);
     const auto add = [&](uint32_t to, uint32_t from) {
       if (isSound(mesh, to) || !isSound(mesh, from)) return;
       position[to] += mesh.positions[from];
       if (!mesh.uvs.empty()) uv[to] += mesh.uvs[from];
+      if (!on_pictures.empty()) {
+        on_pictures[to].base_color += mesh.texture_points[from].base_color;
+        on_pictures[to].metallic_roughness += mesh.texture_points[from].metallic_roughness;
+      }
       if (!isFinite(mesh.brdfs[to])) mesh.brdfs[to] = mesh.brdfs[from];
       ++neighbours[to];
     };
@@ -64,10 +71,17 @@ void moveUnsoundVertices(PolygonMesh& mesh) {
       }
       first += size_t(size);
     }
+    const auto repair = [](auto& value, const auto& sum, int count) {
+      if (!isFinite(value)) value = sum / double(count);
+    };
     for (size_t v = 0; v < neighbours.size(); ++v) {
       if (neighbours[v] == 0) continue;
-      if (!isFinite(mesh.positions[v])) mesh.positions[v] = position[v] / double(neighbours[v]);
-      if (!mesh.uvs.empty() && !isFinite(glm::dvec3(mesh.uvs[v], 0))) mesh.uvs[v] = uv[v] / double(neighbours[v]);
+      repair(mesh.positions[v], position[v], neighbours[v]);
+      if (!mesh.uvs.empty()) repair(mesh.uvs[v], uv[v], neighbours[v]);
+      if (!on_pictures.empty()) {
+        repair(mesh.texture_points[v].base_color, on_pictures[v].base_color, neighbours[v]);
+        repair(mesh.texture_points[v].metallic_roughness, on_pictures[v].metallic_roughness, neighbours[v]);
+      }
       moved = true;
     }
   }
@@ -189,10 +203,13 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
   tile.normals = std::move(mesh->normals);
   tile.params = std::move(mesh->uvs);
   tile.brdfs = std::move(mesh->brdfs);
+  tile.materials = std::move(mesh->materials);
+  tile.texture_points = std::move(mesh->texture_points);
+  tile.warnings = std::move(mesh->warnings);
   completeNormals(tile);
   tile.charts = findCharts(tile);
   // Own charts lie on one another as yet; the vertices of a file's may be shared.
-  if (*origin == ParamOrigin::kCharts) tile.charts = chartsByVertices(tile);
+  if (*origin == ParamOrigin::kCharts) tile.charts = std::move(mesh->charts);
   if (*origin == ParamOrigin::kCharts || (*origin == ParamOrigin::kAtlas && gutterOf(tile) < kLeastGutter)) packCharts(tile);
   auto finished = finishTile(std::move(tile), where);
   if (!finished) return finished;

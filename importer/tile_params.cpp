@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "importer/charts.h"
 #include "importer/parameterize.h"
@@ -112,14 +114,35 @@ Status refine(PolygonMesh& mesh, int subdivide, const std::string& where) {
   return {};
 }
 
-// Vertices as the charts have them; every polygon a triangle.
-void takeCharts(const ChartedMesh& charted, PolygonMesh& mesh) {
+// Vertices as the charts have them, and copies of those that lie on several places of pictures; every polygon a triangle.
+void takeCharts(const ChartedMesh& charted, const std::vector<glm::uvec3>& triangles, PolygonMesh& mesh) {
   PolygonMesh split;
-  for (const uint32_t v : charted.source) split.normals.push_back(mesh.normals[v]), split.brdfs.push_back(mesh.brdfs[v]);
-  split.positions = charted.positions;
-  split.uvs = charted.params;
-  split.face_sizes.assign(charted.triangles.size(), 3);
-  for (const glm::uvec3& t : charted.triangles) split.corners.insert(split.corners.end(), {t.x, t.y, t.z});
+  const bool textured = !mesh.texture_points.empty();
+  const auto add = [&](size_t v, uint32_t source) {
+    split.positions.push_back(charted.positions[v]), split.uvs.push_back(charted.params[v]);
+    split.normals.push_back(mesh.normals[source]), split.brdfs.push_back(mesh.brdfs[source]);
+    if (textured) split.texture_points.push_back(mesh.texture_points[source]);
+    return uint32_t(split.positions.size() - 1);
+  };
+  for (size_t v = 0; v < charted.source.size(); ++v) add(v, charted.source[v]);
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> copies;  // [vertex of the chart, of the mesh]
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t v = charted.triangles[t][k], own = triangles[t][k];
+      uint32_t corner = v;
+      if (textured && !(mesh.texture_points[own] == mesh.texture_points[charted.source[v]])) {
+        const auto [entry, added] = copies.try_emplace({v, own}, 0u);
+        if (added) entry->second = add(v, own);
+        corner = entry->second;
+      }
+      split.corners.push_back(corner);
+    }
+  split.face_sizes.assign(triangles.size(), 3);
+  Tile connected;  // by the charts' own vertices, before they were copied
+  connected.params = charted.params, connected.triangles = charted.triangles;
+  split.charts = chartsByVertices(connected);
+  split.materials = std::move(mesh.materials);
+  split.warnings = std::move(mesh.warnings);
   mesh = std::move(split);
 }
 
@@ -140,7 +163,7 @@ Result<ParamOrigin> makeParams(PolygonMesh& mesh, const MeshName& name) {
   }
   const auto charted = segmentMesh(mesh.positions, triangles, name);
   if (!charted) return charted.issue();
-  takeCharts(*charted, mesh);
+  takeCharts(*charted, triangles, mesh);
   return ParamOrigin::kCharts;
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "importer/textured_brdf.h"
 #include "material/check.h"
 #include "material/directions.h"
 
@@ -190,6 +191,7 @@ TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const {
     hit.brdf.f0 += float(w[k]) * brdf.f0;
     hit.brdf.alpha += float(w[k]) * brdf.alpha;
   }
+  if (!tile.texture_points.empty()) [[unlikely]] readTextures(tile.materials, tile.texture_points, v, b, hit.brdf);
   hit.normal = glm::normalize(hit.normal);
   const glm::dvec3 face = glm::cross(tile.positions[v[1]] - tile.positions[v[0]], tile.positions[v[2]] - tile.positions[v[0]]);
   hit.geometric_normal = glm::normalize(glm::dot(face, hit.normal) < 0 ? -face : face);

@@ -50,6 +50,7 @@ inline constexpr int kBakeIncomplete = 6005;
 inline constexpr int kMeasured = 6006;
 inline constexpr int kGoal = 6007;
 inline constexpr int kOption = 6008;
+inline constexpr int kTileMaterial = 6009;
 // 7xxx: GPU and memory
 inline constexpr int kGlContext = 7001;
 inline constexpr int kShader = 7002;

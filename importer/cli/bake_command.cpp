@@ -83,6 +83,7 @@ class BakeCommand : public Command {
     const auto tile = loadTile(tile_, {subdivide_, repairs_});
     noteRepairs(globals, repairs_.get());  // of a tile that is refused for something else, too
     if (!tile) return fail(tile.issue());
+    noteWarnings(globals, tile->warnings);
     if (std::error_code error; !bake_.resume && bake_.shards == 1 && std::filesystem::exists(output_ / "bake.json", error))
       note(globals, output_.string() + ": the finished bake that stands here is replaced");
     const auto report = bake(*tile, tile_, output_, bake_);
@@ -136,9 +137,11 @@ class BakeCommand : public Command {
 
   void print(const GlobalOptions& globals, const Tile& tile, const BakeReport& report) const {
     if (globals.json) {
+      auto warnings = nlohmann::ordered_json::array();
+      for (const Issue& warning : tile.warnings) warnings.push_back(issueJson(warning));
       printJson("bake", {{"tile", tile_}, {"folder", output_.string()}, {"complete", report.complete},
                          {"triangles", tile.triangles.size()}, {"rays", report.rays}, {"misses", report.misses},
-                         {"seconds", report.seconds}, {"repaired", repairsJson(repairs_.get())}});
+                         {"seconds", report.seconds}, {"repaired", repairsJson(repairs_.get())}, {"warnings", warnings}});
       return;
     }
     printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),

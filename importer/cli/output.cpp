@@ -40,6 +40,10 @@ void note(const GlobalOptions& globals, const std::string& text) {
   if (!globals.quiet) std::fprintf(stderr, "%s\n", text.c_str());
 }
 
+void noteWarnings(const GlobalOptions& globals, std::span<const Issue> warnings) {
+  for (const Issue& warning : warnings) note(globals, issueText(warning));
+}
+
 void noteRepairs(const GlobalOptions& globals, const RepairLog* repairs) {
   if (repairs && repairs->count() > 0)
     note(globals, "repaired what was not finite: " + withThousands(repairs->count()) + ", first " + repairs->first());

@@ -20,6 +20,8 @@ int fail(const Issue& issue);
 int failUsage(const std::string& text);
 // A note on stderr, unless quiet.
 void note(const GlobalOptions& globals, const std::string& text);
+// The same for each of them: what a tile's file holds and a bake does not show.
+void noteWarnings(const GlobalOptions& globals, std::span<const Issue> warnings);
 // A note of what --fix-nonfinite repaired, if anything; null: the option was not given.
 void noteRepairs(const GlobalOptions& globals, const RepairLog* repairs);
 nlohmann::ordered_json repairsJson(const RepairLog* repairs);

@@ -97,6 +97,7 @@ class TraceCommand : public Command {
     trace_.quiet = globals.quiet;
     const auto tile = loadTile(tile_, {subdivide_});
     if (!tile) return fail(tile.issue());
+    noteWarnings(globals, tile->warnings);
     const auto picture = trace(*tile, trace_);
     if (!picture) return fail(picture.issue());
     const Status written = [&] {

@@ -73,6 +73,21 @@ TEST(Bake, FixNonfinite_RepairsAndReports) {
   EXPECT_EQ(loden(fix).err, "");
 }
 
+TEST(Bake, WhatIsNotBaked_IsWarnedOf) {
+  const ScratchFolder scratch;
+  writeText(scratch / "m.mtl", "newmtl cloth\nmap_Kd weave.png\n");
+  writeText(scratch / "tile.obj", "mtllib m.mtl\nusemtl cloth\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+  std::vector<std::string> bake{"bake", scratch / "tile.obj", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--format", "json"};
+  const ToolRun run = loden(bake);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("m.mtl: line 2, material 'cloth': map_Kd is not baked"), std::string::npos) << run.err;
+  EXPECT_EQ(Json::parse(run.out)["warnings"].size(), 1u);
+  bake.push_back("-q");
+  EXPECT_EQ(loden(bake).err, "");
+  writeText(scratch / "m.mtl", "newmtl cloth\nKd 2 2 2\n");
+  EXPECT_EQ(loden(bake).exit_code, 3);
+}
+
 TEST(Bake, ConcentricVdim_IsStoredAndExtracted) {
   const ScratchFolder scratch;
   const std::vector<std::string> bake{"bake", "builtin:pulli", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--supersample", "1", "-q"};

@@ -44,6 +44,7 @@ class Repair {
     dropRepeated();
     if (const Status status = checkEdges(); !status) return status;
     store();
+    report();
     return {};
   }
 
@@ -191,6 +192,19 @@ class Repair {
     mesh_.corners.clear();
     for (const Face& f : faces_) mesh_.numbers.push_back(uint32_t(f.number));
     for (const Face& f : faces_) mesh_.corners.insert(mesh_.corners.end(), {f.corners.x, f.corners.y, f.corners.z});
+  }
+
+  // Says what has become of the file's triangles.
+  void report() {
+    std::vector<bool> kept(triangles_.size(), false);
+    for (const Face& f : faces_) kept[f.number] = true;
+    const auto dropped = std::count(kept.begin(), kept.end(), false);
+    const auto pieces = std::ptrdiff_t(faces_.size()) - (std::ptrdiff_t(triangles_.size()) - dropped);
+    if (dropped == 0 && pieces == 0) return;
+    const auto first = size_t(std::find(kept.begin(), kept.end(), false) - kept.begin());
+    const std::string place = dropped > 0 ? triangleName({where_}, first, mesh_.positions, triangles_) : where_;
+    mesh_.warnings.push_back({issue_id::kTileGeometry, Severity::kWarning, place,
+                              "repaired: " + std::to_string(dropped) + " triangles without area or repeated left out, " + std::to_string(pieces) + " more where open edges were split at vertices on them"});
   }
 
   PolygonMesh& mesh_;

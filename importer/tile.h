@@ -40,7 +40,7 @@ struct Tile {
   std::vector<glm::uvec3> triangles;
   std::vector<uint16_t> charts;          // per triangle, 1-based; one chart if the surface is connected
   bool identity_parameterization = false;  // P.xy == p everywhere
-  std::vector<Issue> warnings;           // what the file holds and a bake does not show
+  std::vector<Issue> warnings;           // what of the file a bake does not show, or was repaired
 };
 
 struct TileOptions {

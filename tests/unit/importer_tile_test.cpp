@@ -207,6 +207,9 @@ TEST(TileObj, DropsDegenerateAndDuplicateTriangles) {
   const auto tile = loadTile(path.string());
   ASSERT_TRUE(tile.ok()) << tile.issue().text;
   EXPECT_EQ(tile->triangles.size(), 32u);
+  ASSERT_EQ(tile->warnings.size(), 1u);
+  EXPECT_NE(tile->warnings[0].where.find("triangle 32"), std::string::npos) << tile->warnings[0].where;
+  EXPECT_NE(tile->warnings[0].text.find("repaired: 3 "), std::string::npos) << tile->warnings[0].text;
 }
 
 class Parameterization : public ::testing::TestWithParam<std::string> {};

@@ -118,6 +118,34 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
   return levels;
 }
 
+// What `loden cook` noted. The text is untrusted: what it lacks is left out, and what is none of cook's is shown as it is.
+std::string cookedText(const std::string& meta_text) {
+  if (meta_text.empty()) return {};
+  const auto meta = Json::parse(meta_text, nullptr, false);
+  try {
+    const auto quoted = [&](const char* key) { return meta.at(key).dump(); };  // no control character comes through
+    std::string text = "\ncooked from " + quoted("input") + ", preset " + quoted("preset") + ", components " + quoted("components");
+    if (const int light = meta.value("light_components", 0); light > 0) text += formatted(", %d of the light factor", light);
+    text += "\n";
+    if (const auto error = meta.find("error"); error != meta.end())
+      text += formatted("RMSE at the sampled directions: Y %.4f, Cb %.4f, Cr %.4f\n", error->at("y").at("rmse").get<double>(),
+                        error->at("cb").at("rmse").get<double>(), error->at("cr").at("rmse").get<double>());
+    if (const auto lookup = meta.find("lookup"); lookup != meta.end()) {
+      for (const char* tier : {"fast", "default"})
+        text += formatted("lookup %-8s mean error %.3f texels, %.1f %% over one, %.1f fetches\n", tier, lookup->at(tier).at("mean_texels").get<double>(),
+                          100 * lookup->at(tier).at("over_1_texel").get<double>(), lookup->at(tier).at("fetches").get<double>());
+      for (const Json& trial : lookup->value("tried", Json::array()))
+        text += formatted("  tried %2d x %-2d texels, %2d x %-2d directions: mean %.3f, %.1f %% over one%s\n", trial.at("texels").get<int>(), trial.at("texels").get<int>(),
+                          trial.at("directions").get<int>(), trial.at("directions").get<int>(), trial.at("mean_texels").get<double>(), 100 * trial.at("over_1_texel").get<double>(),
+                          trial.at("texels") == lookup->at("atlas_texels") && trial.at("directions") == lookup->at("atlas_directions") ? ", chosen" : "");
+    }
+    if (meta.contains("trade")) text += "the trade that its goal measured: --format json\n";
+    return text;
+  } catch (const Json::exception&) {
+    return "\nnotes: " + meta_text + "\n";
+  }
+}
+
 class InfoCommand : public Command {
  public:
   std::string_view name() const override { return "info"; }
@@ -209,8 +237,7 @@ class InfoCommand : public Command {
     for (const LevelBytes& level : cumulativeBytes(m, parts))
       text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level, withThousands(level.raw).c_str(),
                         withThousands(level.gpu).c_str());
-    if (const std::string meta = file.loadMeta(); !meta.empty()) text += "\ncooked: " + meta + "\n";
-    return text;
+    return text + cookedText(file.loadMeta());
   }
 
   std::filesystem::path path_;

@@ -165,6 +165,19 @@ TEST(Bake, BonnLayout_CooksLikeTheBake) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "bake/bonn")) << "images of another tile";
 }
 
+TEST(Info, Text_SaysWhichLookupTheCookerChoseAndItsError) {
+  const ScratchFolder scratch;
+  ASSERT_EQ(loden({"cook", sharedBake(), "-o", scratch / "m.loden", "--mode", "surface", "-q"}).exit_code, 0);
+  const ToolRun text = loden({"info", scratch / "m.loden"}), json = loden({"info", scratch / "m.loden", "--format", "json"});
+  const Json lookup = Json::parse(json.out)["cook"]["lookup"];
+  char line[60];
+  std::snprintf(line, sizeof line, "lookup default  mean error %.3f texels", lookup["default"]["mean_texels"].get<double>());
+  EXPECT_NE(text.out.find(line), std::string::npos) << text.out;
+  const size_t chosen = text.out.find(", chosen");
+  ASSERT_NE(chosen, std::string::npos) << text.out;
+  EXPECT_EQ(text.out.find(", chosen", chosen + 1), std::string::npos) << "one of those tried";
+}
+
 TEST(Info, CutAsset_ShowsWhatItCanAndFails) {
   const ScratchFolder scratch;
   const std::string bytes = fileText(sharedAsset());

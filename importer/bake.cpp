@@ -80,6 +80,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
 Status checkCovers(const TileTracer& tracer, const BakeManifest& m, const std::string& tile_name) {
   constexpr int kSide = 32;           // rays of a view, per side
   constexpr size_t kMostViews = 100;
+  const FlushDenormals flush;
   const auto& views = m.directions.samples;
   const size_t count = std::min(views.size(), kMostViews);
   uint64_t misses = 0;

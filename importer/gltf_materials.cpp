@@ -16,7 +16,6 @@
 namespace loden::importer {
 namespace {
 
-constexpr const char* kTransform = "KHR_texture_transform";
 constexpr double kMostTransform = 1e9;  // keeps transformed coordinates finite
 
 // The numbers of an extension's member; nothing if it is no array of `count` finite numbers.
@@ -131,10 +130,10 @@ Result<GltfMaterial> GltfMaterials::read(size_t index) {
 
 Result<GltfTextureUse> GltfMaterials::use(const tinygltf::TextureInfo& info, const std::string& where) const {
   GltfTextureUse result{info.texCoord};
-  const auto found = info.extensions.find(kTransform);
+  const auto found = info.extensions.find(kTextureTransform);
   if (found == info.extensions.end()) return result;
   const auto bad = [&](const char* member, const char* wanted) {
-    return refuse(where + ", " + kTransform, std::string(member) + " is not " + wanted + "; correct the material");
+    return refuse(where + ", " + kTextureTransform, std::string(member) + " is not " + wanted + "; correct the material");
   };
   glm::dvec2 offset(0), scale(1);
   for (auto [member, value] : {std::pair("offset", &offset), std::pair("scale", &scale)}) {

@@ -19,6 +19,8 @@ struct TextureInfo;
 
 namespace loden::importer {
 
+inline constexpr const char* kTextureTransform = "KHR_texture_transform";
+
 // How a texture is laid over a primitive.
 struct GltfTextureUse {
   int set = -1;  // n of TEXCOORD_n; -1: there is no texture

@@ -271,7 +271,7 @@ Result<std::vector<glm::dvec2>> GltfMeshReader::textureCoordinates(const tinyglt
 }
 
 // What the runtime's scenes may require, and what tiles have besides.
-bool isReadable(std::string_view extension) { return isSupportedGltfExtension(extension) || extension == "KHR_texture_transform"; }
+bool isReadable(std::string_view extension) { return isSupportedGltfExtension(extension) || extension == kTextureTransform; }
 
 Status checkRequired(const nlohmann::ordered_json& json, const std::string& name) {
   for (size_t k = 0; k < arraySize(json, "extensionsRequired"); ++k) {

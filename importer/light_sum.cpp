@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-// Compiled for AVX2 too and chosen at load: the same operations in the same order, so the same bits. Sanitizers do not
-// bear what chooses.
-#if defined(__x86_64__) && defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Compiled for AVX2 too and chosen at load: the same operations in the same order, so the same bits. Not under
+// sanitizers, which do not bear what chooses, nor by Clang, where it is untried.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define LODEN_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define LODEN_WIDE
@@ -34,7 +34,7 @@ struct Lights {
 // sum += lit * (diffuse + specular (N.H)^exponent) * max(N.L, 0), light by light; groups without light are skipped.
 // Samples without a GGX lobe only.
 LODEN_WIDE void addSample(const Lights& lights, size_t groups, const uint64_t* lit, const glm::vec3& normal, float view_cosine,
-               const LocalBrdf& brdf) {
+                          const LocalBrdf& brdf) {
   const float nx = normal.x, ny = normal.y, nz = normal.z;
   const float red = brdf.diffuse.x, green = brdf.diffuse.y, blue = brdf.diffuse.z;
   const float specular = brdf.specular, exponent = brdf.exponent;

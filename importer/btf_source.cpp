@@ -89,6 +89,18 @@ Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked) {
   return repairs ? repairedSource(std::move(source), std::move(repairs)) : std::move(source);
 }
 
+Status prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path) {
+  const Material& material = evaluator.material();
+  const auto missing = [&](const std::string& what) {
+    return Issue{issue_id::kOption, Severity::kError, path.string(), "cannot be looked up by --lookup " + std::string(lookupName(lookup)) + ": the asset has no " + what};
+  };
+  if (lookup == Lookup::kPaper && !material.stored_vdim) return missing("published indirection map; cook the bake with --mode surface --preset seed");
+  const bool searches = lookup == Lookup::kFast || lookup == Lookup::kQuality;
+  if (searches && material.geometry.empty()) return missing("geometry image; only bakes with --maps surface give one, and --mode lod stores none");
+  if (lookup == Lookup::kQuality) evaluator.prepareQuality();
+  return {};
+}
+
 std::unique_ptr<BtfSource> materialSource(const Evaluator& evaluator, MaterialSampling sampling) {
   return std::make_unique<MaterialSource>(evaluator, std::move(sampling));
 }

@@ -1,6 +1,7 @@
 // A BTF read one view at a time, whatever it comes from: a bake, a cooked material, a measured set.
 #pragma once
 
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <memory>
 #include <string>
@@ -27,6 +28,10 @@ class BtfSource {
 
 // The BTF of a bake. It must have one. Repaired if the bake has a log of repairs.
 Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked);
+
+// Makes the evaluator of the asset at `path` ready for a lookup that was asked for by name. Issues: kOption where the asset
+// has not got what it reads.
+Status prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path);
 
 // A material at the centres of `side` x `side` texels. The evaluator must outlive it.
 struct MaterialSampling {

@@ -227,6 +227,18 @@ Evaluator::Evaluator(const Material& material, int threads) : material_(&materia
   if (material.views.size() > 0) nearest_view_ = nearestDirectionLookup(material.views, kNearestLookupSide);
 }
 
+VdimMaps Evaluator::vdimMaps() const {
+  VdimMaps maps;
+  if (material_->stored_vdim) maps.paper = &*material_->stored_vdim;
+  if (!atlas_.depth.empty()) maps.atlas = &atlas_;
+  if (tracer_) maps.tracer = &*tracer_;
+  return maps;
+}
+
+void Evaluator::prepareQuality() {
+  if (!atlas_.depth.empty()) tracer_.emplace(material_->geometry, Interpolation::kCubic);
+}
+
 template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
   if (!material.geometry.identity_parameterization) return T(1);
@@ -241,22 +253,20 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)})};
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
-  if (lookup == Lookup::kPaper && material_->stored_vdim) {
-    hit.p = paperVdimLookup(*material_->stored_vdim, x, wo);
-    hit.fetches = 2;
-  } else if ((lookup == Lookup::kFast || lookup == Lookup::kDefault) && !atlas_.depth.empty()) {
-    const T fade = parallax == Parallax::kFaded ? parallaxFade(*material_, hit.lambda, wo) : T(1);
-    const T share = parameterShare(*material_, hit.lambda);  // 0 too while a fit has no bands yet, and looks p up for them
-    if (!(fade > 0)) return hit;
-    const VdimTier tier = lookup == Lookup::kFast ? VdimTier::kFast : VdimTier::kDefault;
-    const VdimHit<T> found = vdimLookup(atlas_, tier, x, wo, surface);
-    hit.p = glm::mix(x, found.p, fade);
-    hit.depth = found.height * fade * std::min(T(2) * share, T(1));
-    const T shown = fade * share;
-    hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
-    hit.missed = found.missed && shown >= T(0.5);
-    hit.fetches = found.fetches;
-  }
+  const VdimMaps maps = vdimMaps();
+  if (!maps.serve(lookup)) return hit;
+  const bool fades = parallax == Parallax::kFaded && lookup != Lookup::kPaper;
+  const T fade = fades ? parallaxFade(*material_, hit.lambda, wo) : T(1);
+  const T share = parameterShare(*material_, hit.lambda);
+  const bool fitted = material_->mode == Mode::kSurface || !material_->bands.empty();  // before, fits look p up for the bands to come
+  if (!(fade > 0) || (fitted && !(share > 0) && lookup != Lookup::kPaper)) return hit;
+  const VdimHit<T> found = vdimLookup(maps, lookup, x, wo, surface);
+  hit.p = glm::mix(x, found.p, fade);
+  hit.depth = found.height * fade * std::min(T(2) * share, T(1));
+  const T shown = fade * share;
+  hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
+  hit.missed = found.missed && shown >= T(0.5);
+  hit.fetches = found.fetches;
   return hit;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "material/environment.h"
@@ -23,9 +24,6 @@ struct Hit {
   glm::vec<2, T> tilt{0};  // of the surface's normal at the hit against that at x, on a curved surface
 };
 
-// Which lookup finds p.
-enum class Lookup : uint32_t { kNone, kPaper, kFast, kDefault };
-
 // Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do by
 // default (LodenMaterial::skip_parallax); kFull is what fits and comparisons measure.
 enum class Parallax : uint32_t { kFull, kFaded };
@@ -39,7 +37,7 @@ template <class T>
 glm::mat<3, 3, T> hitFrame(const Hit<T>& hit, const glm::mat<3, 3, T>& frame);
 
 // Keeps what is derived from a material: VDIM atlas (of Material::atlas), nearest-direction images. The material must
-// outlive it.
+// outlive it and stay where it is.
 class Evaluator {
  public:
   // With `threads` threads (0: all); the result does not depend on their number.
@@ -47,6 +45,9 @@ class Evaluator {
 
   const Material& material() const { return *material_; }
   const VdimAtlas& atlas() const { return atlas_; }
+
+  // Builds what Lookup::kQuality reads; a material with geometry needs it for that.
+  void prepareQuality();
 
   // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0.
   template <class T>
@@ -66,8 +67,11 @@ class Evaluator {
   glm::vec<3, T> evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light, const glm::vec<3, T>& wo) const;
 
  private:
+  VdimMaps vdimMaps() const;
+
   const Material* material_;
   VdimAtlas atlas_;
+  std::optional<GeometryTracer> tracer_;
   EnvironmentMean environment_mean_;
   std::vector<Texture> environment_tables_;
   std::vector<uint8_t> nearest_light_, nearest_view_;

@@ -1,6 +1,7 @@
 // Rays against the triangles of a geometry image, by a uniform grid of cells over one period in x and y.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -47,6 +48,56 @@ std::optional<LocalHit> intersect(const Triangle& tri, const glm::dvec3& o, cons
 
 constexpr int kFewestCells = 8;  // per side of the grid
 
+// Neighbouring texels this far apart, in tile periods, are a tear in a damaged image, not surface.
+constexpr double kTear = 0.5;
+
+bool torn(const glm::dvec3& edge) { return !(std::max(std::abs(edge.x), std::abs(edge.y)) < kTear); }
+
+// The surface over a patch, by (a, b) in [0,1]^2, as the cubic through the sixteen texels around it (Catmull and Rom
+// 1974). At its corners it is the texels.
+class CubicPatch {
+ public:
+  CubicPatch(const GeometryImage& image, int i, int j) : z_min_(image.zMin()) {
+    const uint32_t chart = fetchPatch<double>(image, i, j).chart;
+    for (int b = 0; b < 4; b += 2)
+      for (int a = 0; a < 4; a += 2) {
+        const Patch<double> quarter = fetchPatch<double>(image, i - 1 + a, j - 1 + b);
+        whole_ = whole_ && quarter.chart == chart;
+        texels_[b][a] = quarter.p00, texels_[b][a + 1] = quarter.p10;
+        texels_[b + 1][a] = quarter.p01, texels_[b + 1][a + 1] = quarter.p11;
+      }
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) whole_ = whole_ && !torn(texels_[row][column] - texels_[1][1]);
+  }
+
+  // Whether all texels that it goes through are of the patch's chart.
+  bool whole() const { return whole_; }
+
+  glm::dvec3 at(double a, double b) const {
+    const Weights wa = weights(a), wb = weights(b);
+    glm::dvec3 sum(0);
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) sum += wb[row] * wa[column] * texels_[row][column];
+    return {sum.x, sum.y, std::clamp(sum.z, z_min_, 0.0)};  // where rays look for it
+  }
+
+ private:
+  using Weights = std::array<double, 4>;
+  static Weights weights(double f) {
+    return {((1 - 0.5 * f) * f - 0.5) * f, (1.5 * f - 2.5) * f * f + 1, ((2 - 1.5 * f) * f + 0.5) * f, 0.5 * (f - 1) * f * f};
+  }
+
+  double z_min_;
+  bool whole_ = true;
+  glm::dvec3 texels_[4][4];
+};
+
+// Per side of a cubic patch: few enough that the triangles of large images fit into memory.
+int piecesOf(const GeometryImage& image, Interpolation between) {
+  constexpr int kMostPieces = 4, kMostAcross = 1024;  // of a patch, of the image
+  return between == Interpolation::kBilinear ? 1 : std::clamp(kMostAcross / std::max(image.side(), 1), 1, kMostPieces);
+}
+
 }  // namespace
 
 struct GeometryTracer::Impl {
@@ -57,8 +108,8 @@ struct GeometryTracer::Impl {
   std::vector<CellReference> references;
   std::vector<CellBounds> bounds;
 
-  explicit Impl(const GeometryImage& image) : cells(std::max(kFewestCells, image.side() / 2)), z_min(image.zMin()) {
-    addTriangles(image);
+  Impl(const GeometryImage& image, Interpolation between) : cells(std::max(kFewestCells, image.side() / 2)), z_min(image.zMin()) {
+    addTriangles(image, piecesOf(image, between));
     // A surface with large triangles gets larger cells, so that memory stays in proportion.
     while (cells > kFewestCells && countReferences() > 64 * triangles.size()) cells /= 2;
     bin();
@@ -73,23 +124,40 @@ struct GeometryTracer::Impl {
     return count;
   }
 
-  void addTriangles(const GeometryImage& image) {
+  void addTriangles(const GeometryImage& image, int pieces) {
     const int n = image.side();
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const Patch<double> patch = fetchPatch<double>(image, i, j);
         if (patch.chart == 0) continue;
-        const glm::dvec2 p((i + 0.5) / n, (j + 0.5) / n), du(1.0 / n, 0), dv(0, 1.0 / n);
-        addTriangle({patch.p00, patch.p10 - patch.p00, patch.p11 - patch.p00, p, du, du + dv});
-        addTriangle({patch.p00, patch.p11 - patch.p00, patch.p01 - patch.p00, p, du + dv, dv});
+        if (pieces > 1) {
+          if (const CubicPatch cubic(image, i, j); cubic.whole()) {
+            addPieces(cubic, {i, j}, pieces, n);
+            continue;
+          }
+        }
+        addQuad(patch.p00, patch.p10, patch.p01, patch.p11, {i, j}, 1.0, n);
       }
   }
 
-  // Neighbouring texels half a period apart are a tear in a damaged image, not surface.
+  void addPieces(const CubicPatch& cubic, glm::dvec2 texel, int pieces, int n) {
+    const double step = 1.0 / pieces;
+    for (int b = 0; b < pieces; ++b)
+      for (int a = 0; a < pieces; ++a) {
+        const double a0 = a * step, a1 = (a + 1) * step, b0 = b * step, b1 = (b + 1) * step;
+        addQuad(cubic.at(a0, b0), cubic.at(a1, b0), cubic.at(a0, b1), cubic.at(a1, b1), texel + glm::dvec2(a0, b0), step, n);
+      }
+  }
+
+  // `texel`: its lower left corner, `step` texels wide.
+  void addQuad(const glm::dvec3& p00, const glm::dvec3& p10, const glm::dvec3& p01, const glm::dvec3& p11, glm::dvec2 texel, double step, int n) {
+    const glm::dvec2 p = (texel + 0.5) / double(n), du(step / n, 0), dv(0, step / n);
+    addTriangle({p00, p10 - p00, p11 - p00, p, du, du + dv});
+    addTriangle({p00, p11 - p00, p01 - p00, p, du + dv, dv});
+  }
+
   void addTriangle(const Triangle& tri) {
-    constexpr double kTear = 0.5;
-    const glm::dvec2 b = glm::abs(glm::dvec2(tri.edge_b)), c = glm::abs(glm::dvec2(tri.edge_c));
-    if (std::max({b.x, b.y, c.x, c.y}) < kTear) triangles.push_back(tri);
+    if (!torn(tri.edge_b) && !torn(tri.edge_c)) triangles.push_back(tri);
   }
 
   struct CellSpan {
@@ -191,7 +259,7 @@ struct GeometryTracer::Impl {
   }
 };
 
-GeometryTracer::GeometryTracer(const GeometryImage& image) : impl_(std::make_unique<Impl>(image)) {}
+GeometryTracer::GeometryTracer(const GeometryImage& image, Interpolation between) : impl_(std::make_unique<Impl>(image, between)) {}
 GeometryTracer::~GeometryTracer() = default;
 GeometryTracer::GeometryTracer(GeometryTracer&&) noexcept = default;
 GeometryTracer& GeometryTracer::operator=(GeometryTracer&&) noexcept = default;

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <stop_token>
+#include <string_view>
 
 #include "material/directions.h"
 #include "material/packed_geometry.h"
@@ -93,30 +94,44 @@ struct LocalSurface {
   glm::mat<2, 2, T> x_from_tangent{T(1)};  // tile periods per tile length along the tangent frame
 };
 
-enum class VdimTier : uint32_t {
-  kFast,     // depths of the nearest direction, 5 candidates; so at each of several points of a ray that bends much
+// How p is found. The shaders have all but kQuality.
+enum class Lookup : uint32_t {
+  kNone,     // it is not: p = x
+  kPaper,    // the published map, blended over directions, its reference unfiltered (FBTF 3.5); 2 fetches
+  kFast,     // the atlas: depths of the nearest direction, 5 candidates; so at each of several points of a ray that bends much
   kDefault,  // of the 3 nearest directions, 16 candidates; likewise
+  kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
+};
+inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault, Lookup::kQuality};
+// "none", "paper", "fast", "default", "quality".
+std::string_view lookupName(Lookup lookup);
+std::optional<Lookup> lookupNamed(std::string_view name);
+
+// What lookups read; each needs its own.
+struct VdimMaps {
+  const PaperVdim* paper = nullptr;        // kPaper
+  const VdimAtlas* atlas = nullptr;        // kFast, kDefault
+  const GeometryTracer* tracer = nullptr;  // kQuality
+  bool serve(Lookup lookup) const;
 };
 
-// How a search went. `fetches` counts texture instructions exactly as the shader issues them.
+// What a lookup found. `fetches` counts texture instructions exactly as the shader issues them.
 template <class T>
 struct VdimHit {
   glm::vec<2, T> p{0};        // of any copy: whole periods mean nothing
+  // Of all but kPaper, which knows p alone:
   glm::vec<3, T> position{0};  // tile periods, on the view ray; z below the reference surface
   glm::vec<2, T> offset{0};    // of position from x
   T height = 0;                // of it over the tangent plane at x, tile lengths; position.z where the surface is flat
   int fetches = 0;
-  bool converged = false;
+  bool converged = false;  // the ray meets the surface there; else p is the best there was
   bool missed = false;  // the ray goes by a convex surface; p and position are near where it comes closest
 };
 
-// The shader's lookup, name for name (shaders/loden_vdim.glsl).
+// x in tile periods, wo unit, wo.z > 0. Without the map that the lookup reads: p = x. kQuality knows no curvature, kPaper
+// nothing of the surface. The atlas's lookups and the published one are the shaders', name for name (shaders/loden_vdim.glsl).
 template <class T>
-VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
                       const LocalSurface<T>& surface = {});
-
-// The published lookup (FBTF 3.5): blended over directions, reference unfiltered; 2 fetches.
-template <class T>
-glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3, T>& wo);
 
 }  // namespace loden

@@ -1,4 +1,5 @@
-// The lookups. vdimLookup is mirrored name for name by shaders/loden_vdim.glsl; keep the order of operations.
+// The lookups. Those of the atlas and of the published map are mirrored name for name by shaders/loden_vdim.glsl; keep the
+// order of operations.
 
 #include <algorithm>
 #include <array>
@@ -28,8 +29,8 @@ struct TierLimits {
   int layers;
   int candidates;
 };
-TierLimits tierLimits(VdimTier tier) {
-  if (tier == VdimTier::kFast) return {1, 5};
+TierLimits tierLimits(Lookup lookup) {
+  if (lookup == Lookup::kFast) return {1, 5};
   return {3, 16};
 }
 
@@ -284,15 +285,13 @@ T clusterMean(const Depths<T>& depths, T low, glm::vec<2, T> f, const T (&layer_
   return sum / std::max(weight, T(1e-9));
 }
 
-}  // namespace
-
+// loden_vdim_lookup of the shaders.
 template <class T>
-VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                      const LocalSurface<T>& surface) {
+VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
   const ViewRay<T> ray = viewRay(surface, x, wo);
   const T range = T(atlas.geometry.range.z);
   const RayPath<T> path = rayPath(ray, range);
-  const TierLimits limits = tierLimits(tier);
+  const TierLimits limits = tierLimits(lookup);
   VdimHit<T> hit;
   T nearest = T(1e9);
   const auto search = [&](T h, bool patient) {
@@ -347,13 +346,15 @@ VdimHit<T> vdimLookup(const VdimAtlas& atlas, VdimTier tier, glm::vec<2, T> x, c
   return hit;
 }
 
+// loden_paper_vdim_lookup of the shaders.
 template <class T>
-glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+VdimHit<T> paperLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
   using V2 = glm::vec<2, T>;
   const V2 base = glm::floor(x);
   const V2 texel = glm::min(glm::floor((x - base) * T(vdim.side)), V2(T(vdim.side) - 1));
   const V2 reference = V2(nearestRepeat(vdim.reference, 0, 0, V2((texel + T(0.5)) / T(vdim.side)))) * T(vdim.range.x);
-  const T theta = std::min(std::acos(std::clamp(wo.z, T(-1), T(1))), T(kThetaMax));
+  // Not by acos, which GPUs have to 1e-4: the map jumps by whole periods from one view to the next.
+  const T theta = std::min(std::atan2(std::sqrt(wo.x * wo.x + wo.y * wo.y), wo.z), T(kThetaMax));
   T phi = wo.x == 0 && wo.y == 0 ? T(0) : std::atan2(wo.y, wo.x);
   if (phi < 0) phi += T(2 * kPi);
   const V2 size(T(vdim.azimuths), T(vdim.zeniths));
@@ -363,12 +364,73 @@ glm::vec<2, T> paperVdimLookup(const PaperVdim& vdim, glm::vec<2, T> x, const gl
   const glm::vec<4, T> entry = sampleRepeat(vdim.packed, 0, 0, uv);
   const V2 direction(entry.x, entry.y);
   const T length = std::sqrt(glm::dot(direction, direction));
-  return x + reference + (length > T(1e-6) ? direction / length : V2(0)) * (entry.z * T(vdim.range.y));
+  VdimHit<T> hit;
+  hit.p = x + reference + (length > T(1e-6) ? direction / length : V2(0)) * (entry.z * T(vdim.range.y));
+  hit.fetches = 2;
+  return hit;
 }
 
-template VdimHit<float> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, float>, const glm::vec<3, float>&, const LocalSurface<float>&);
-template VdimHit<double> vdimLookup(const VdimAtlas&, VdimTier, glm::vec<2, double>, const glm::vec<3, double>&, const LocalSurface<double>&);
-template glm::vec<2, float> paperVdimLookup(const PaperVdim&, glm::vec<2, float>, const glm::vec<3, float>&);
-template glm::vec<2, double> paperVdimLookup(const PaperVdim&, glm::vec<2, double>, const glm::vec<3, double>&);
+template <class T>
+VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+  const ViewRay<T> ray = viewRay({glm::mat<2, 2, T>(0), surface.x_from_tangent}, x, wo);
+  const glm::vec<2, T> base = glm::floor(x);
+  VdimHit<T> hit;
+  hit.p = x, hit.position = {x, T(0)};
+  const auto found = tracer.traceView(glm::dvec2(ray.x), glm::dvec3(viewAlong(ray.slope)));
+  if (!found) return hit;
+  hit.converged = true;
+  hit.height = T(found->position.z);
+  hit.offset = ray.offset(hit.height);
+  hit.position = glm::vec<3, T>(ray.x + hit.offset + base, hit.height);
+  hit.p = glm::vec<2, T>(found->p) + base;
+  return hit;
+}
+
+}  // namespace
+
+std::string_view lookupName(Lookup lookup) {
+  switch (lookup) {
+    case Lookup::kNone: return "none";
+    case Lookup::kPaper: return "paper";
+    case Lookup::kFast: return "fast";
+    case Lookup::kDefault: return "default";
+    case Lookup::kQuality: return "quality";
+  }
+  return "unknown";
+}
+
+std::optional<Lookup> lookupNamed(std::string_view name) {
+  for (const Lookup lookup : kLookups)
+    if (lookupName(lookup) == name) return lookup;
+  return std::nullopt;
+}
+
+bool VdimMaps::serve(Lookup lookup) const {
+  switch (lookup) {
+    case Lookup::kNone: return false;
+    case Lookup::kPaper: return paper != nullptr;
+    case Lookup::kFast:
+    case Lookup::kDefault: return atlas != nullptr;
+    case Lookup::kQuality: return tracer != nullptr;
+  }
+  return false;
+}
+
+template <class T>
+VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+  if (maps.serve(lookup)) switch (lookup) {
+      case Lookup::kNone: break;
+      case Lookup::kPaper: return paperLookup(*maps.paper, x, wo);
+      case Lookup::kFast:
+      case Lookup::kDefault: return atlasLookup(*maps.atlas, lookup, x, wo, surface);
+      case Lookup::kQuality: return tracedLookup(*maps.tracer, x, wo, surface);
+    }
+  VdimHit<T> hit;
+  hit.p = x, hit.position = {x, T(0)};
+  return hit;
+}
+
+template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&, const LocalSurface<float>&);
+template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&, const LocalSurface<double>&);
 
 }  // namespace loden

@@ -110,7 +110,7 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup)
   if (material.stored_vdim && !variant.nearest_tables && !variant.light_factor && (lookup == Lookup::kPaper || !has_geometry))
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
-    variant.lookup = lookup == Lookup::kPaper ? Lookup::kDefault : lookup;
+    variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
   return variant;
 }
 

@@ -6,19 +6,15 @@
 namespace loden::runtime {
 namespace {
 
-struct LookupName {
-  Lookup lookup;
-  const char* define;  // null: none
-  const char* name;
-};
-constexpr LookupName kLookups[] = {{Lookup::kNone, nullptr, "none"},
-                                   {Lookup::kPaper, "LODEN_LOOKUP_PAPER 1", "paper"},
-                                   {Lookup::kFast, "LODEN_LOOKUP_FAST 1", "fast"},
-                                   {Lookup::kDefault, "LODEN_LOOKUP_DEFAULT 1", "default"}};
-
-const LookupName& lookupName(Lookup lookup) {
-  LODEN_CHECK_LT(size_t(lookup), std::size(kLookups));
-  return kLookups[size_t(lookup)];
+const char* lookupDefine(Lookup lookup) {
+  switch (lookup) {
+    case Lookup::kPaper: return "LODEN_LOOKUP_PAPER 1";
+    case Lookup::kFast: return "LODEN_LOOKUP_FAST 1";
+    case Lookup::kDefault: return "LODEN_LOOKUP_DEFAULT 1";
+    case Lookup::kNone:
+    case Lookup::kQuality: break;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -35,6 +31,7 @@ bool hasRelief(const MaterialVariant& variant) {
 
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (row.relief && !hasRelief(variant)) return false;
+  if (variant.lookup == Lookup::kQuality) return false;  // offline
   switch (variant.kind) {
     case MaterialVariant::Kind::kNone: return row.none && variant == MaterialVariant{};
     case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0 && !variant.nearest_tables && !variant.light_factor;
@@ -53,12 +50,12 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
     if (rowAllows(row, variant)) variants.push_back(variant);
   };
   addIfAllowed({});
-  for (const LookupName& lookup : kLookups) {
-    addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup.lookup});
+  for (const Lookup lookup : kLookups) {
+    addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup});
     for (const bool nearest : {false, true})
       for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
         for (const bool light_factor : {false, true})
-          addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup.lookup, nearest, light_factor});
+          addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup, nearest, light_factor});
   }
   return variants;
 }
@@ -75,7 +72,7 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
   if (variant.light_factor) defines.push_back("LODEN_LIGHT_FACTOR 1");
-  if (const char* define = lookupName(variant.lookup).define) defines.push_back(define);
+  if (const char* define = lookupDefine(variant.lookup)) defines.push_back(define);
   return defines;
 }
 
@@ -84,7 +81,8 @@ std::string variantName(const MaterialVariant& variant) {
   std::string name = variant.kind == MaterialVariant::Kind::kSurface ? "surface" : "bands" + std::to_string(variant.bands);
   if (variant.nearest_tables) name += "-nearest";
   if (variant.light_factor) name += "-light";
-  name += std::string("-") + lookupName(variant.lookup).name;
+  name += "-";
+  name += lookupName(variant.lookup);
   if (variant.first_unit > 0) name += "-from" + std::to_string(variant.first_unit);
   return name;
 }

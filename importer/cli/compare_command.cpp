@@ -44,7 +44,7 @@ class CompareCommand : public Command {
   void declare(Options& options) override {
     options.path("reference", reference_, "Baked output, asset or picture", true);
     options.path("test", test_, "Asset or picture (or a baked output against a baked output)", true);
-    options.choice("--lookup", lookup_, {"default", "fast", "paper", "none"}, "How assets find p");
+    options.choice("--lookup", lookup_, {"default", "fast", "paper", "quality", "none"}, "How assets find p");
     options.integer("--level", compare_.level, "Level of detail: the reference is averaged over 2^N x 2^N texels", 0, 12);
     options.integer("--every", compare_.every, "Only every N-th view and light", 1, 1000);
     options.number("--fail", fail_, "Exit with 7 if the metric is worse than X", true);
@@ -137,8 +137,8 @@ class CompareCommand : public Command {
     if (!material) return material.issue();
     loaded.material = std::move(*material);
     loaded.evaluator.emplace(*loaded.material, globals.threads);
-    const Lookup lookup = lookup_ == "fast" ? Lookup::kFast : lookup_ == "paper" ? Lookup::kPaper
-                          : lookup_ == "none" ? Lookup::kNone : Lookup::kDefault;
+    const Lookup lookup = lookupNamed(lookup_).value();
+    if (const Status status = prepareLookup(*loaded.evaluator, lookup, path); !status) return status.issue();
     const double lambda = side > 0 ? compare_.level : 0;  // the reference is averaged from full resolution
     loaded.source = materialSource(*loaded.evaluator, {side, lambda, lookup, Domain::kReference, directions, directions});
     return {};

@@ -83,7 +83,7 @@ class ExtractCommand : public Command {
     options.text("--view", view_, "View direction THETA,PHI in degrees");
     options.number("--lambda", lambda_, "Level of detail");
     options.choice("--domain", domain_, {"reference", "flat"}, "reference: as seen, over x; flat: unwrapped, over p");
-    options.choice("--lookup", lookup_, {"default", "fast", "paper", "none"}, "How the asset finds p");
+    options.choice("--lookup", lookup_, {"default", "fast", "paper", "quality", "none"}, "How the asset finds p");
     options.integer("--side", side_, "Texels per side; 0: the material's at lambda", 0, 8192);
     options.text("--map", map_, "Write this stored map instead, for example normal, band0.weights, or of a bake vdim.latlong:16x16; a wrong name lists those there are; of a seed preset also packed.eigen and packed.weights (Ma et al. 2005, figure 5)");
     options.path("-o,--output", output_, ".exr (linear), .hdr, .png or .jpg (sRGB)", true);
@@ -134,9 +134,9 @@ class ExtractCommand : public Command {
   Result<Picture> assetSlice(const glm::dvec3& light, const glm::dvec3& view, const GlobalOptions& globals) {
     const auto material = readAsset(input_);
     if (!material) return material.issue();
-    const Evaluator evaluator(*material, globals.threads);
-    const Lookup lookup = lookup_ == "fast" ? Lookup::kFast : lookup_ == "paper" ? Lookup::kPaper
-                          : lookup_ == "none" ? Lookup::kNone : Lookup::kDefault;
+    Evaluator evaluator(*material, globals.threads);
+    const Lookup lookup = lookupNamed(lookup_).value();
+    if (const Status status = prepareLookup(evaluator, lookup, input_); !status) return status.issue();
     const int side = side_ > 0 ? side_ : std::max(1, material->side >> std::min(31, static_cast<int>(lambda_)));
     const MaterialSampling sampling{side, lambda_, lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
     report_ = {{"input", input_.string()}, {"kind", "decoded"}, {"domain", domain_}, {"lambda", lambda_}};

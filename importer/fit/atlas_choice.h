@@ -1,4 +1,4 @@
-// Which VDIM atlas suits a tile: texels against directions at equal bytes, by the error of the shader's lookup.
+// Which VDIM atlas suits a tile: texels against directions at equal bytes, then fewer bytes, by the error of the shader's lookup.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ struct AtlasTrial {
 
 struct AtlasChoice {
   VdimAtlasSize size;
-  std::vector<AtlasTrial> trials;  // fewest directions first
+  std::vector<AtlasTrial> trials;  // fewest directions first, then the smaller ones, largest first
 };
 
 // The splits that are tried: even numbers of directions per side, each with the most texels that kMostAtlasBytes
@@ -27,7 +27,8 @@ struct AtlasChoice {
 std::vector<VdimAtlasSize> atlasCandidates();
 
 // The candidate whose product of mean error and share over a texel is least: how often the lookup misses and how far
-// off it then is weigh alike. `side`: reference texels per tile period. Deterministic at any number of threads.
+// off it then is weigh alike. Then half, a quarter and an eighth of the bytes, split alike, as long as that leaves the product
+// nearly what it was: a shallow tile needs no large atlas. `side`: reference texels per tile period. Deterministic at any number of threads.
 AtlasChoice chooseAtlas(const GeometryImage& geometry, int side, int threads);
 
 }  // namespace loden::importer

@@ -36,11 +36,11 @@ LookupProbe::LookupProbe(const GeometryImage& geometry, int side, int threads)
   });
 }
 
-LookupError LookupProbe::measure(const VdimAtlas& atlas, VdimTier tier) const {
+LookupError LookupProbe::measure(const VdimAtlas& atlas, Lookup lookup) const {
   std::vector<Sum> sums(kBlocks);
   parallelFor(kBlocks, threads_, [&](size_t b) {
     for (const Ray& ray : blocks_[b]) {
-      const VdimHit<double> hit = vdimLookup(atlas, tier, ray.x, ray.wo);
+      const VdimHit<double> hit = vdimLookup({.atlas = &atlas}, lookup, ray.x, ray.wo);
       const double texels = periodicDistance(glm::dvec2(surfaceAt(geometry_, hit.p).position), ray.truth) * side_;
       sums[b].texels += texels, sums[b].over += texels > 1, sums[b].fetches += hit.fetches;
     }

@@ -27,7 +27,7 @@ class LookupProbe {
   // `side`: reference texels per tile period. The image must outlive the probe.
   LookupProbe(const GeometryImage& geometry, int side, int threads);
   // Of an atlas of the same image.
-  LookupError measure(const VdimAtlas& atlas, VdimTier tier) const;
+  LookupError measure(const VdimAtlas& atlas, Lookup lookup) const;
 
  private:
   struct Ray {

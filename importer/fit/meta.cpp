@@ -57,8 +57,7 @@ nlohmann::ordered_json lookupMeta(const Material& material, std::span<const Atla
                                  {"atlas_texels", atlas.size.texels},
                                  {"atlas_directions", atlas.size.directions},
                                  {"bytes", atlas.bytes()}};
-  for (const auto& [name, tier] : {std::pair{"fast", VdimTier::kFast}, std::pair{"default", VdimTier::kDefault}}) 
-    json[name] = errorJson(probe.measure(atlas, tier));
+  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) json[std::string(lookupName(lookup))] = errorJson(probe.measure(atlas, lookup));
   for (const AtlasTrial& trial : tried) {
     nlohmann::ordered_json of_trial = {{"texels", trial.size.texels}, {"directions", trial.size.directions}};
     of_trial.update(errorJson(trial.error));

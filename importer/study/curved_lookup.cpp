@@ -77,7 +77,7 @@ std::vector<Sample> drawSamples(const BentTiles& tiles, const AnalyticSurface& s
   return samples;
 }
 
-void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometry, VdimTier tier, bool bent,
+void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometry, Lookup lookup, bool bent,
              const std::vector<Sample>& samples, glm::dvec2 theta_degrees, const StudyOptions& options) {
   std::vector<double> errors(samples.size(), -1);
   std::vector<int> fetches(samples.size(), 0);
@@ -86,7 +86,7 @@ void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometr
     const Sample& sample = samples[i];
     const double theta = std::acos(sample.wo.z) * 180 / kPi;
     if (theta < theta_degrees.x || theta >= theta_degrees.y) return;
-    const auto found = vdimLookup(atlas, tier, sample.x, sample.wo, bent ? sample.surface : LocalSurface<double>{});
+    const auto found = vdimLookup({.atlas = &atlas}, lookup, sample.x, sample.wo, bent ? sample.surface : LocalSurface<double>{});
     counted[i] = 1, missed_by_lookup[i] = found.missed, fetches[i] = found.fetches;
     if (sample.hit) errors[i] = periodicDistance(glm::dvec2(surfaceAt(geometry, found.p).position), sample.truth) * options.size;
   });
@@ -101,7 +101,7 @@ void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometr
   std::sort(sorted.begin(), sorted.end());
   const double n = double(std::max<size_t>(1, sorted.size()));
   const auto percentile = [&](double share) { return sorted.empty() ? 0 : sorted[std::min(sorted.size() - 1, size_t(share * n))]; };
-  row.set("lookup", tier == VdimTier::kFast ? "fast" : "default").set("ray", bent ? "bent" : "straight");
+  row.set("lookup", std::string(lookupName(lookup))).set("ray", bent ? "bent" : "straight");
   row.set("theta_from", theta_degrees.x).set("theta_to", theta_degrees.y).set("fetches", fetch_sum / std::max(all, 1.0));
   row.set("mean_texels", sum / n).set("median_texels", percentile(0.5)).set("p95_texels", percentile(0.95));
   row.set("over_1_texel", over / n).set("miss_rate", missed / std::max(all, 1.0));
@@ -124,12 +124,12 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   for (const SurfaceKind kind : {SurfaceKind::kCylinder, SurfaceKind::kSphere}) {
     const AnalyticSurface surface = analyticSurface(kind);
     const auto samples = drawSamples(BentTiles(*tile, surface), surface, options.threads);
-    for (const VdimTier tier : {VdimTier::kFast, VdimTier::kDefault})
+    for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
       for (const bool bent : {false, true})
         for (const glm::dvec2 theta : angles) {
           StudyRow row;
           row.set("tile", name).set("size", options.size).set("surface", kind == SurfaceKind::kCylinder ? "cylinder" : "sphere");
-          measure(row, atlas, *geometry, tier, bent, samples, theta, options);
+          measure(row, atlas, *geometry, lookup, bent, samples, theta, options);
           rows.push_back(std::move(row));
           progress.advance();
         }

@@ -204,7 +204,7 @@ Result<ViewError> unsampledView(const Subject& subject, const PaperVdim& vdim, i
   const size_t texels = size_t(side) * side, flat_texels = size_t(flat_side) * flat_side;
   std::vector<Footprint> footprints(texels);
   for (size_t t = 0; t < texels; ++t)
-    footprints[t].addBilinear(paperVdimLookup(vdim, glm::dvec2(double(t % side) + .5, double(t / side) + .5) / double(side), wo), flat_side, 1);
+    footprints[t].addBilinear(vdimLookup({.paper = &vdim}, Lookup::kPaper, glm::dvec2(double(t % side) + .5, double(t / side) + .5) / double(side), wo).p, flat_side, 1);
   std::vector<glm::vec3> test(texels * lights, glm::vec3(0));
   const DirectionWeights weights = interpolateRings(bonn81Rings(), wo);
   for (int k = 0; k < 4; ++k) {

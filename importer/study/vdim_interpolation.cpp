@@ -4,7 +4,7 @@
 // fall on texel centres or mesh vertices. The truth is the first hit of the view ray with the tile's own mesh.
 // Both parameters are mapped back to the tile's surface; the error is the distance of the two points' (x, y), in
 // reference texels, to the nearest periodic copy. Rays that miss the mesh are counted and left out. Pictures are of the
-// published maps and of the cooker's choice.
+// published maps and of the cooker's choice. On height fields a cone map is measured beside the lookups.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -17,6 +17,7 @@
 #include "importer/parallel.h"
 #include "importer/progress.h"
 #include "importer/random.h"
+#include "importer/study/cone_map.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
@@ -127,14 +128,24 @@ Status writeErrorDisc(const Candidate& candidate, const TileTracer& tracer, cons
   return writeFigure(logarithmicPicture(errors, kSide, kLeast, kMost), options.pictures / name);
 }
 
+// `owner` keeps the maps alive.
+Candidate lookupCandidate(const std::string& map, size_t bytes, const VdimMaps& maps, Lookup lookup, const GeometryImage& geometry,
+                          std::shared_ptr<const void> owner) {
+  const auto find = [maps, lookup, owner = std::move(owner)](glm::dvec2 x, const glm::dvec3& wo) {
+    const auto hit = vdimLookup(maps, lookup, x, wo);
+    return Answer{hit.p, hit.fetches};
+  };
+  return {map, std::string(lookupName(lookup)), bytes, find, &geometry};
+}
+
 // The published map of the bake, blended as published.
-Result<Candidate> paperCandidate(const BakedOutput& baked, glm::ivec2 shape) {
+Result<Candidate> paperCandidate(const BakedOutput& baked, glm::ivec2 shape, const GeometryImage& geometry) {
   const auto displacements = baked.vdim(shape.x, shape.y);
   if (!displacements) return displacements.issue();
   auto vdim = std::make_shared<PaperVdim>(packPaperVdim(*displacements, baked.manifest().size, shape.x, shape.y));
   const size_t bytes = vdim->reference.data.size() + vdim->packed.data.size();
-  const auto find = [vdim](glm::dvec2 x, const glm::dvec3& wo) { return Answer{paperVdimLookup(*vdim, x, wo), 2}; };
-  return Candidate{"latlong:" + std::to_string(shape.x) + "x" + std::to_string(shape.y), "paper", bytes, find};
+  const std::string map = "latlong:" + std::to_string(shape.x) + "x" + std::to_string(shape.y);
+  return lookupCandidate(map, bytes, {.paper = vdim.get()}, Lookup::kPaper, geometry, vdim);
 }
 
 // texels as BakedOutput::geometry gives them.
@@ -168,27 +179,40 @@ GeometryImage geometryOfSize(const TileTracer& mesh, int side) {
   return encodeTexels(side, texels, mesh.tile().identity_parameterization);
 }
 
-// The exact first hit on the geometry image: what the search could reach at best.
-Candidate tracedCandidate(const GeometryImage& geometry, const GeometryTracer& tracer) {
-  const auto find = [&tracer](glm::dvec2 x, const glm::dvec3& wo) {
-    const auto hit = tracer.traceView(x, wo);
-    return Answer{hit ? hit->p : x, 0};
-  };
-  return {"geometry " + std::to_string(geometry.side()), "quality", geometry.texels.data.size(), find, &geometry};
+Candidate qualityCandidate(const GeometryImage& geometry) {
+  const auto tracer = std::make_shared<GeometryTracer>(geometry, Interpolation::kCubic);
+  return lookupCandidate("geometry " + std::to_string(geometry.side()), geometry.texels.data.size(), {.tracer = tracer.get()}, Lookup::kQuality, geometry, tracer);
+}
+
+// The first hit on the triangles of the geometry image, which is what the atlas's searches look for.
+Candidate triangleCandidate(const GeometryImage& geometry) {
+  const auto tracer = std::make_shared<GeometryTracer>(geometry);
+  Candidate candidate = lookupCandidate("geometry " + std::to_string(geometry.side()), geometry.texels.data.size(), {.tracer = tracer.get()}, Lookup::kQuality, geometry, tracer);
+  candidate.lookup = "triangles";
+  return candidate;
 }
 
 std::vector<Candidate> searchCandidates(const GeometryImage& geometry, VdimAtlasSize size, int threads) {
   const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, size, threads));
-  const size_t bytes = atlas->bytes();
-  const std::string map = "concentric:" + std::to_string(size.directions) + " of " + std::to_string(size.texels) + "x" + std::to_string(size.texels);
-  const auto with = [&](const char* name, VdimTier tier) {
-    const auto find = [atlas, tier](glm::dvec2 x, const glm::dvec3& wo) {
-      const auto hit = vdimLookup(*atlas, tier, x, wo);
+  const std::string texels = std::to_string(size.texels), map = "concentric:" + std::to_string(size.directions) + " of " + texels + "x" + texels;
+  std::vector<Candidate> candidates;
+  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
+    candidates.push_back(lookupCandidate(map, atlas->bytes(), {.atlas = atlas.get()}, lookup, geometry, atlas));
+  return candidates;
+}
+
+// As many fetches as the atlas's lookups take, and twice to four times as many.
+std::vector<Candidate> coneCandidates(const GeometryImage& geometry, int threads) {
+  const auto cones = std::make_shared<ConeMap>(buildConeMap(geometry, threads));
+  std::vector<Candidate> candidates;
+  for (const int taps : {4, 6, 8, 10, 13, 19, 32}) {
+    const auto find = [cones, taps](glm::dvec2 x, const glm::dvec3& wo) {
+      const ConeHit hit = coneLookup(*cones, taps, x, wo);
       return Answer{hit.p, hit.fetches};
     };
-    return Candidate{map, name, bytes, find, &geometry};
-  };
-  return {with("fast", VdimTier::kFast), with("default", VdimTier::kDefault)};
+    candidates.push_back({"cones " + std::to_string(cones->side), std::to_string(taps) + " taps", cones->bytes(), find, &geometry});
+  }
+  return candidates;
 }
 
 Status measureTile(const std::string& name, const StudyOptions& options, StudyRows& rows) {
@@ -201,27 +225,27 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   const auto geometry = geometryOf(*baked);
   if (!geometry) return geometry.issue();
   const TileTracer mesh(*tile);
-  const GeometryTracer traced(*geometry);
   const auto samples = drawSamples(mesh, options.threads);
   std::vector<Candidate> candidates;
   for (const glm::ivec2 shape : baked->manifest().vdims) {
-    auto candidate = paperCandidate(*baked, shape);
+    auto candidate = paperCandidate(*baked, shape, *geometry);
     if (!candidate) return candidate.issue();
-    candidate->geometry = &*geometry;
     candidates.push_back(std::move(*candidate));
   }
-  const VdimAtlasSize cooked = chooseAtlas(*geometry, options.size, options.threads).size;
+  const AtlasChoice choice = chooseAtlas(*geometry, options.size, options.threads);
   std::vector<VdimAtlasSize> sizes{kFirstVdimAtlas, {16, 16}};
-  for (const VdimAtlasSize size : atlasCandidates()) sizes.push_back(size);
+  for (const AtlasTrial& trial : choice.trials) sizes.push_back(trial.size);
   for (const VdimAtlasSize size : sizes)
     for (Candidate& candidate : searchCandidates(*geometry, size, options.threads)) {
-      candidate.cooked = size == cooked;
+      candidate.cooked = size == choice.size;
       candidates.push_back(std::move(candidate));
     }
   const GeometryImage fine = geometryOfSize(mesh, kFineGeometry);
-  const GeometryTracer fine_tracer(fine);
-  candidates.push_back(tracedCandidate(*geometry, traced));
-  if (geometry->side() != kFineGeometry) candidates.push_back(tracedCandidate(fine, fine_tracer));
+  if (geometry->identity_parameterization)
+    for (Candidate& candidate : coneCandidates(*geometry, options.threads)) candidates.push_back(std::move(candidate));
+  candidates.push_back(triangleCandidate(*geometry));
+  candidates.push_back(qualityCandidate(*geometry));
+  if (geometry->side() != kFineGeometry) candidates.push_back(qualityCandidate(fine));
   Progress progress("vdim-interpolation " + name, candidates.size(), options.quiet);
   for (const Candidate& candidate : candidates) {
     rows.push_back(measure(candidate, samples, name, options));

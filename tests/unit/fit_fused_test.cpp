@@ -196,6 +196,19 @@ TEST(Fused, ContinuousInLambdaDownToTheAverage) {
   }
 }
 
+TEST(AtlasChoice, AShallowTileGetsASmallAtlas) {
+  std::vector<glm::dvec3> steep, shallow;
+  for (int t = 0; t < 64 * 64; ++t) {
+    const glm::dvec2 p((t % 64 + 0.5) / 64, (t / 64 + 0.5) / 64);
+    const double wave = 0.5 + 0.25 * std::sin(4 * kPi * p.x) + 0.25 * std::sin(6 * kPi * p.y);
+    steep.emplace_back(p, -0.4 * wave), shallow.emplace_back(p, -0.01 * wave);
+  }
+  const std::vector<uint16_t> charts(steep.size(), 1);
+  const AtlasChoice deep = chooseAtlas(encodeGeometryImage(64, steep, charts, true), 64, 0), flat = chooseAtlas(encodeGeometryImage(64, shallow, charts, true), 64, 0);
+  EXPECT_LE(vdimDepthBytes(flat.size), kMostAtlasBytes / 8);
+  EXPECT_GT(vdimDepthBytes(deep.size), kMostAtlasBytes / 2);
+}
+
 // The lookup of the fit is that of the asset: the split of texels and directions that errs least on this geometry, and
 // the asset says so.
 TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
@@ -210,14 +223,14 @@ TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
   FusedPlan plan = smallPlan();
   plan.coarse_y = 0;
   const FusedFit fit = fitFused(source, *btf, geometry, plan, 0);
-  ASSERT_EQ(fit.atlases.size(), atlasCandidates().size());
+  ASSERT_GT(fit.atlases.size(), atlasCandidates().size());  // and smaller ones
   const LookupProbe probe(geometry, kSide, 0);
   const auto badness = [&](VdimAtlasSize size) {
-    const LookupError e = probe.measure(buildVdimAtlas(geometry, size), VdimTier::kDefault);
+    const LookupError e = probe.measure(buildVdimAtlas(geometry, size), Lookup::kDefault);
     return e.mean_texels * e.over_1_texel;
   };
   for (const VdimAtlasSize size : atlasCandidates()) {
-    EXPECT_LE(badness(fit.material.atlas), badness(size)) << size.texels << " texels, " << size.directions << " directions";
+    EXPECT_LE(badness(fit.material.atlas), 1.1 * badness(size)) << size.texels << " texels, " << size.directions << " directions";
     EXPECT_LE(vdimDepthBytes(size), kMostAtlasBytes);
   }
   EXPECT_GT(badness(fit.material.atlas), 0);

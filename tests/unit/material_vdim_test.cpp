@@ -130,6 +130,41 @@ TEST(GeometryTracer, MeetsAHeightFieldWhereItsEquationSays) {
   }
 }
 
+// Mean distance along z between what a coarse image's rays meet and the wave itself.
+double waveError(const GeometryTracer& tracer, double height) {
+  double sum = 0;
+  const auto views = randomViews(1000, 60);
+  for (const View& view : views) {
+    const auto hit = tracer.traceView(view.x, view.wo);
+    EXPECT_TRUE(hit);
+    if (hit) sum += std::abs(hit->position.z - wavePoint(glm::dvec2(hit->position), height, 0).z);
+  }
+  return sum / double(views.size());
+}
+
+TEST(GeometryTracer, CubicIsNearerToASmoothSurface) {
+  const GeometryImage image = waveImage(32, 0.2, 0);
+  const double linear = waveError(GeometryTracer(image), 0.2), cubic = waveError(GeometryTracer(image, Interpolation::kCubic), 0.2);
+  EXPECT_LE(cubic, linear / 3) << linear;  // measured a fifth
+}
+
+// Two charts side by side: a cubic that reached across would bend both towards each other.
+TEST(GeometryTracer, CubicDoesNotReachAcrossCharts) {
+  std::vector<glm::dvec3> points;
+  std::vector<uint16_t> charts;
+  for (int t = 0; t < 16 * 16; ++t) {
+    const glm::dvec2 p((t % 16 + 0.5) / 16, (t / 16 + 0.5) / 16);
+    points.emplace_back(p, t % 16 < 8 ? -0.1 : -0.3);
+    charts.push_back(t % 16 < 8 ? 1 : 2);
+  }
+  const GeometryTracer tracer(encodeGeometryImage(16, points, charts, true), Interpolation::kCubic);
+  for (double x = 0.04; x < 0.46; x += 0.01) {
+    EXPECT_NEAR(tracer.traceView({x, 0.3}, {0, 0, 1})->position.z, -0.1, 1e-5);
+    EXPECT_NEAR(tracer.traceView({x + 0.5, 0.3}, {0, 0, 1})->position.z, -0.3, 1e-5);
+  }
+  EXPECT_FALSE(tracer.traceView({0.5, 0.3}, {0, 0, 1}));
+}
+
 TEST(GeometryTracer, IsPeriodic) {
   const GeometryTracer tracer(waveImage(64, 0.15, 0.2));
   for (const View& view : randomViews(300, 85)) {
@@ -160,18 +195,27 @@ TEST(Vdim, DirectionGridRoundTrips) {
     }
 }
 
+// The published map of a tile without relief.
+PaperVdim flatPaperVdim() {
+  PaperVdim vdim;
+  vdim.side = 8, vdim.zeniths = 4, vdim.azimuths = 8;
+  vdim.reference = Texture::make(TexelFormat::kRG16Snorm, TextureShape::kArray2D, 8, 8, 1);
+  vdim.packed = Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kArray2D, 64, 32, 1);
+  return vdim;
+}
+
 class VdimOnWaves : public testing::TestWithParam<double> {};
 
 struct LookupCounts {
   int converged = 0, wrong = 0, fetches = 0;
 };
-LookupCounts countLookups(const GeometryImage& image, VdimTier tier, const std::vector<View>& views) {
+LookupCounts countLookups(const GeometryImage& image, Lookup lookup, const std::vector<View>& views) {
   const GeometryTracer tracer(image);
   const VdimAtlas atlas = buildVdimAtlas(image, {});
   LookupCounts counts;
   for (const View& view : views) {
     const auto truth = tracer.traceView(view.x, view.wo);
-    const VdimHit<double> hit = vdimLookup<double>(atlas, tier, view.x, view.wo);
+    const VdimHit<double> hit = vdimLookup<double>({.atlas = &atlas}, lookup, view.x, view.wo);
     counts.converged += hit.converged;
     counts.fetches += hit.fetches;
     counts.wrong += glm::length(hit.p - truth->p) > 1.0 / 64;
@@ -182,7 +226,7 @@ LookupCounts countLookups(const GeometryImage& image, VdimTier tier, const std::
 
 TEST_P(VdimOnWaves, DefaultLookupAgreesWithTheTracer) {
   const auto views = randomViews(4000, 85);
-  const LookupCounts counts = countLookups(waveImage(128, 0.15, GetParam()), VdimTier::kDefault, views);
+  const LookupCounts counts = countLookups(waveImage(128, 0.15, GetParam()), Lookup::kDefault, views);
   EXPECT_GE(counts.converged, 0.98 * double(views.size()));
   EXPECT_LE(counts.wrong, 0.03 * double(views.size()));  // the goals of the default tier, on smooth waves
   EXPECT_LE(counts.fetches, 12 * static_cast<int>(views.size()));
@@ -190,9 +234,52 @@ TEST_P(VdimOnWaves, DefaultLookupAgreesWithTheTracer) {
 
 TEST_P(VdimOnWaves, FastLookupMissesMoreForFewerFetches) {
   const auto views = randomViews(4000, 85);
-  const LookupCounts counts = countLookups(waveImage(128, 0.15, GetParam()), VdimTier::kFast, views);
+  const LookupCounts counts = countLookups(waveImage(128, 0.15, GetParam()), Lookup::kFast, views);
   EXPECT_LE(counts.wrong, 0.07 * double(views.size()));  // the goals of the fast tier, on smooth waves
   EXPECT_LE(counts.fetches, 6 * static_cast<int>(views.size()));
+}
+
+// Each lookup by its name, with the fetches that it is said to take.
+TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
+  const GeometryImage image = waveImage(128, 0.15, GetParam());
+  const VdimAtlas atlas = buildVdimAtlas(image, {});
+  const GeometryTracer tracer(image, Interpolation::kCubic);
+  const PaperVdim paper = flatPaperVdim();
+  const VdimMaps maps{&paper, &atlas, &tracer};
+  const auto views = randomViews(2000, 85);
+  for (const Lookup lookup : kLookups) {
+    EXPECT_EQ(lookupNamed(lookupName(lookup)), lookup);
+    EXPECT_EQ(maps.serve(lookup), lookup != Lookup::kNone);
+    double fetches = 0, off = 0;
+    for (const View& view : views) {
+      const VdimHit<double> hit = vdimLookup(maps, lookup, view.x, view.wo), none = vdimLookup({}, lookup, view.x, view.wo);
+      EXPECT_EQ(none.p, view.x);
+      EXPECT_EQ(none.fetches, 0);
+      fetches += hit.fetches;
+      const auto truth = tracer.traceView(view.x, view.wo);
+      ASSERT_TRUE(truth);
+      off += glm::length(hit.p - truth->p);
+      if (lookup != Lookup::kQuality) continue;
+      EXPECT_TRUE(hit.converged);
+      EXPECT_LE(glm::length(hit.p - truth->p), 1e-9);
+      EXPECT_LE(glm::length(hit.position - truth->position), 1e-9);
+    }
+    const double n = double(views.size()), texel = 1.0 / 64;
+    SCOPED_TRACE(lookupName(lookup));
+    switch (lookup) {
+      case Lookup::kNone:
+      case Lookup::kQuality: EXPECT_EQ(fetches, 0); break;
+      case Lookup::kPaper: EXPECT_EQ(fetches, 2 * n); break;
+      case Lookup::kFast:
+        EXPECT_LE(fetches, 6 * n);
+        EXPECT_LE(off / n, 0.9 * texel);
+        break;
+      case Lookup::kDefault:
+        EXPECT_LE(fetches, 12 * n);
+        EXPECT_LE(off / n, 0.4 * texel);
+    }
+  }
+  EXPECT_EQ(lookupNamed("best"), std::nullopt);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lean, VdimOnWaves, testing::Values(0.0, 0.1, 0.35));
@@ -202,7 +289,7 @@ TEST(Vdim, FlatTileIsTheIdentity) {
   const VdimAtlas atlas = buildVdimAtlas(image, {16, 8});
   for (const View& view : randomViews(200, 85)) {
     const VdimHit<float> hit =
-        vdimLookup<float>(atlas, VdimTier::kDefault, glm::vec2(view.x), glm::vec3(view.wo));
+        vdimLookup<float>({.atlas = &atlas}, Lookup::kDefault, glm::vec2(view.x), glm::vec3(view.wo));
     EXPECT_NEAR(hit.p.x, view.x.x, 2e-6);
     EXPECT_NEAR(hit.p.y, view.x.y, 2e-6);
   }
@@ -274,8 +361,8 @@ TEST(Vdim, HugeCoordinatesKeepTheirFraction) {
   const VdimAtlas atlas = buildVdimAtlas(image, {16, 8});
   const glm::dvec3 wo = glm::normalize(glm::dvec3(1, 0.4, 0.7));
   for (double x = 0.05; x < 1; x += 0.1) {
-    const auto near = vdimLookup<double>(atlas, VdimTier::kDefault, {x, 0.3}, wo);
-    const auto far = vdimLookup<double>(atlas, VdimTier::kDefault, {x + 1e5, 0.3 - 1e5}, wo);
+    const auto near = vdimLookup<double>({.atlas = &atlas}, Lookup::kDefault, {x, 0.3}, wo);
+    const auto far = vdimLookup<double>({.atlas = &atlas}, Lookup::kDefault, {x + 1e5, 0.3 - 1e5}, wo);
     EXPECT_NEAR(far.p.x - 1e5, near.p.x, 1e-6);
     EXPECT_NEAR(far.p.y + 1e5, near.p.y, 1e-6);
   }
@@ -286,8 +373,8 @@ TEST(Vdim, GrazingAndDegenerateViewsStayFinite) {
   const VdimAtlas atlas = buildVdimAtlas(image, {16, 8});
   for (const glm::vec3 wo : {glm::vec3(0, 0, 1), glm::vec3(1, 0, 1e-7f), glm::vec3(-0.70710678f, 0.70710678f, 0),
                              glm::vec3(1e-8f, 0, 1), glm::vec3(0, -1, 0)}) {
-    for (const VdimTier tier : {VdimTier::kFast, VdimTier::kDefault}) {
-      const auto hit = vdimLookup<float>(atlas, tier, glm::vec2(0.4f, 0.9f), wo);
+    for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) {
+      const auto hit = vdimLookup<float>({.atlas = &atlas}, lookup, glm::vec2(0.4f, 0.9f), wo);
       EXPECT_TRUE(std::isfinite(hit.p.x) && std::isfinite(hit.p.y) && std::isfinite(hit.position.z));
     }
   }
@@ -308,7 +395,7 @@ TEST(PaperVdim, ReturnsStoredViewsExactly) {
   for (int z = 0; z < 8; ++z)
     for (int a = 0; a < 31; ++a) {
       const glm::dvec3 wo = directionFromSpherical({kThetaMax * z / 7, kTau * a / 31});
-      const glm::dvec2 p = paperVdimLookup<double>(vdim, {0.5, 0.5}, wo);
+      const glm::dvec2 p = vdimLookup<double>({.paper = &vdim}, Lookup::kPaper, {0.5, 0.5}, wo).p;
       EXPECT_NEAR(p.x, 0.5 + (z == 0 ? 0 : 0.1 * z * std::cos(kTau * a / 31)), 1e-4);
       EXPECT_NEAR(p.y, 0.5 + (z == 0 ? 0 : 0.1 * z * std::sin(kTau * a / 31)), 1e-4);
     }
@@ -349,12 +436,12 @@ class WaveCylinder : public testing::Test {
     for (const View& view : randomViews(samples, 85)) {
       if (view.wo.z > std::cos(theta_min_degrees * kPi / 180)) continue;
       const auto truth = firstHit(view);
-      const auto bent = vdimLookup(atlas_, VdimTier::kDefault, view.x, view.wo, surface_);
+      const auto bent = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, view.x, view.wo, surface_);
       if (!truth) {
         n.by += 1, n.by_found += !bent.missed;
         continue;
       }
-      const auto straight = vdimLookup(atlas_, VdimTier::kDefault, view.x, view.wo);
+      const auto straight = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, view.x, view.wo);
       const auto off = [&](const VdimHit<double>& found) { return glm::distance(glm::dvec2(found.position), *truth) > kTexel; };
       n.seen += 1, n.lost += bent.missed, n.straight_off += off(straight), n.bent_off += off(bent);
     }
@@ -388,13 +475,13 @@ TEST_F(WaveCylinder, LookupFollowsGrazingRays) {
 // Around the cylinder along a valley .3 deep a ray at 80 degrees turns at .06 and leaves; along a crest it stops at once, across
 // the waves at a flank.
 TEST_F(WaveCylinder, LookupTellsRaysThatGoByFromRaysThatMeetTheTile) {
-  for (const VdimTier tier : {VdimTier::kFast, VdimTier::kDefault})
+  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
     for (const double theta : {80.0, 82.5, 85.0}) {
       const double sine = std::sin(theta * kPi / 180), cosine = std::cos(theta * kPi / 180);
       for (const double side : {-1.0, 1.0}) {
         const glm::dvec3 around(0, side * sine, cosine);
-        EXPECT_TRUE(vdimLookup(atlas_, tier, {0.25, 0.4}, around, surface_).missed) << theta;
-        const auto crest = vdimLookup(atlas_, tier, {0.5, 0.4}, around, surface_);
+        EXPECT_TRUE(vdimLookup({.atlas = &atlas_}, lookup, {0.25, 0.4}, around, surface_).missed) << theta;
+        const auto crest = vdimLookup({.atlas = &atlas_}, lookup, {0.5, 0.4}, around, surface_);
         EXPECT_TRUE(crest.converged) << theta;
         EXPECT_NEAR(crest.position.y, 0.4, kTexel) << theta;
       }
@@ -402,7 +489,7 @@ TEST_F(WaveCylinder, LookupTellsRaysThatGoByFromRaysThatMeetTheTile) {
       const View oblique{{0.2, 0.4}, {sine * std::sqrt(0.5), sine * std::sqrt(0.5), cosine}};
       const auto truth = firstHit(oblique);
       ASSERT_TRUE(truth);
-      const auto found = vdimLookup(atlas_, tier, oblique.x, oblique.wo, surface_);
+      const auto found = vdimLookup({.atlas = &atlas_}, lookup, oblique.x, oblique.wo, surface_);
       EXPECT_TRUE(found.converged) << theta;
       EXPECT_LT(glm::distance(glm::dvec2(found.position), *truth), kTexel) << theta;
     }
@@ -412,8 +499,8 @@ TEST_F(WaveCylinder, LookupTellsRaysThatGoByFromRaysThatMeetTheTile) {
 TEST_F(WaveCylinder, LookupRepeatsWithTheTile) {
   for (const View& view : randomViews(500, 85)) {
     const glm::dvec2 x = glm::round(view.x * 1024.0) / 1024.0;  // so that sums are exact
-    const auto near = vdimLookup(atlas_, VdimTier::kDefault, x, view.wo, surface_);
-    const auto far = vdimLookup(atlas_, VdimTier::kDefault, x + glm::dvec2(64, -32), view.wo, surface_);
+    const auto near = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, x, view.wo, surface_);
+    const auto far = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, x + glm::dvec2(64, -32), view.wo, surface_);
     EXPECT_EQ(near.missed, far.missed);
     EXPECT_EQ(near.height, far.height);
     EXPECT_TRUE(std::isfinite(near.position.x) && std::isfinite(near.position.y) && std::isfinite(near.position.z));
@@ -426,7 +513,7 @@ TEST(VdimLookup, FollowsStretchedCoordinates) {
   const VdimAtlas atlas = buildVdimAtlas(image, {});
   const LocalSurface<double> stretched{glm::dmat2(0), glm::dmat2(2, 0, 0, 1)};
   for (const View& view : randomViews(200, 60)) {
-    const auto found = vdimLookup(atlas, VdimTier::kDefault, view.x, view.wo, stretched);
+    const auto found = vdimLookup({.atlas = &atlas}, Lookup::kDefault, view.x, view.wo, stretched);
     if (!found.converged) continue;
     const glm::dvec2 slope(view.wo.x / view.wo.z, view.wo.y / view.wo.z);
     EXPECT_NEAR(found.offset.x, 2 * slope.x * found.position.z, 1e-9);

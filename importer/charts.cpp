@@ -173,9 +173,9 @@ double packCharts(Tile& tile) {
 double gutterOf(const Tile& tile) {
   constexpr int kCells = 256;
   std::vector<uint16_t> labels(size_t(kCells) * kCells, 0);
-  const auto located = locateParams(tile, kCells, glm::dvec2(0.5));
+  const auto cells = coverParams(tile, kCells, glm::dvec2(0.5));
   for (size_t t = 0; t < labels.size(); ++t)
-    if (located[t].covered()) labels[t] = tile.charts[located[t].triangle];
+    if (cells[t].covered()) labels[t] = tile.charts[cells[t].triangle];
   // Runs of free cells along rows and columns, between any two covered ones.
   int least = kCells;
   for (int axis = 0; axis < 2; ++axis)

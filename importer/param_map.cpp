@@ -32,16 +32,62 @@ void rasterize(const glm::dvec2 (&corner)[3], uint32_t triangle, int side, glm::
 }
 
 // Edge k of a triangle runs from its corner k to the next.
-struct BorderEdge {
+struct Edge {
   uint32_t triangle;
   int corner;
 };
 
-std::vector<BorderEdge> borderEdges(const Tile& tile) {
+// Narrows a range of t to where low <= from + t * along <= high; empty if its first is above its last.
+void clip(double from, double along, double low, double high, glm::dvec2& range) {
+  if (along == 0) {
+    if (from < low || from > high) range = {1, 0};
+    return;
+  }
+  const double a = (low - from) / along, b = (high - from) / along;
+  range = {std::max(range.x, std::min(a, b)), std::min(range.y, std::max(a, b))};
+}
+
+// Cells and the points found for them so far.
+struct Cover {
+  int side;
+  glm::dvec2 position;                // of a cell's sample in it
+  std::vector<ParamSample> samples;
+  std::vector<double> distance;       // of the point from the sample, cells
+};
+
+// All cells that an edge passes through. A triangle that overlaps a cell and does not hold its sample has an edge
+// there, and its nearest point in the cell is on one: so this is the whole test of a triangle against a square, and
+// costs no more than the cells along its edges.
+void coverEdge(const Edge& edge, const glm::dvec2& a, const glm::dvec2& along, Cover& cover) {
+  constexpr double kGraze = 1e-9;  // cells
+  const auto span = [](double u, double v) { return glm::ivec2(int(std::floor(std::min(u, v))), int(std::floor(std::max(u, v)))); };
+  const glm::ivec2 rows = span(a.y, a.y + along.y);
+  for (int j = rows.x; j <= rows.y; ++j) {
+    glm::dvec2 in_row(0, 1);
+    clip(a.y, along.y, j + kGraze, j + 1 - kGraze, in_row);
+    if (in_row.x > in_row.y) continue;
+    const glm::ivec2 columns = span(a.x + in_row.x * along.x, a.x + in_row.y * along.x);
+    for (int i = columns.x; i <= columns.y; ++i) {
+      glm::dvec2 in_cell = in_row;
+      clip(a.x, along.x, i + kGraze, i + 1 - kGraze, in_cell);
+      if (in_cell.x > in_cell.y) continue;
+      const glm::dvec2 from_a = glm::dvec2(i, j) + cover.position - a;
+      const double t = std::clamp(glm::dot(from_a, along) / glm::dot(along, along), in_cell.x, in_cell.y);
+      const double distance = glm::distance(from_a, t * along);
+      const size_t cell = size_t(wrapIndex(j, cover.side)) * size_t(cover.side) + size_t(wrapIndex(i, cover.side));
+      if (distance >= cover.distance[cell]) continue;
+      glm::dvec3 weights(0);
+      weights[edge.corner] = 1 - t, weights[(edge.corner + 1) % 3] = t;
+      cover.samples[cell] = {edge.triangle, glm::vec2(weights.y, weights.z)}, cover.distance[cell] = distance;
+    }
+  }
+}
+
+std::vector<Edge> borderEdges(const Tile& tile) {
   std::vector<glm::dvec3> params;
   for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
   const auto same = weldVertices(params, {1, 1, 0}, 1e-9);
-  std::map<std::array<long, 5>, std::pair<int, BorderEdge>> uses;  // ends, periods between them, chart
+  std::map<std::array<long, 5>, std::pair<int, Edge>> uses;  // ends, periods between them, chart
   for (uint32_t t = 0; t < tile.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const uint32_t a = tile.triangles[t][k], b = tile.triangles[t][(k + 1) % 3];
@@ -49,15 +95,15 @@ std::vector<BorderEdge> borderEdges(const Tile& tile) {
       const long x = long(across.x), y = long(across.y);
       const auto key = same[a] < same[b] ? std::array<long, 5>{long(same[a]), long(same[b]), x, y, tile.charts[t]}
                                          : std::array<long, 5>{long(same[b]), long(same[a]), -x, -y, tile.charts[t]};
-      ++uses.try_emplace(key, 0, BorderEdge{t, k}).first->second.first;
+      ++uses.try_emplace(key, 0, Edge{t, k}).first->second.first;
     }
-  std::vector<BorderEdge> edges;
+  std::vector<Edge> edges;
   for (const auto& [key, use] : uses)
     if (use.first == 1) edges.push_back(use.second);
   return edges;
 }
 
-void extendEdge(const Tile& tile, const BorderEdge& edge, int side, double radius, std::vector<ParamExtension>& cells) {
+void extendEdge(const Tile& tile, const Edge& edge, int side, double radius, std::vector<ParamExtension>& cells) {
   const glm::uvec3& v = tile.triangles[edge.triangle];
   const glm::dvec2 corner[3] = {tile.params[v.x], tile.params[v.y], tile.params[v.z]};
   const glm::dvec2 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
@@ -84,7 +130,7 @@ void extendEdge(const Tile& tile, const BorderEdge& edge, int side, double radiu
 
 std::vector<ParamExtension> extendParams(const Tile& tile, int side, double radius) {
   std::vector<ParamExtension> cells(size_t(side) * size_t(side));
-  for (const BorderEdge& edge : borderEdges(tile)) extendEdge(tile, edge, side, radius, cells);
+  for (const Edge& edge : borderEdges(tile)) extendEdge(tile, edge, side, radius, cells);
   return cells;
 }
 
@@ -95,6 +141,19 @@ std::vector<ParamSample> locateParams(const Tile& tile, int side, glm::dvec2 pos
     rasterize({tile.params[v.x], tile.params[v.y], tile.params[v.z]}, t, side, position, samples);
   }
   return samples;
+}
+
+std::vector<ParamSample> coverParams(const Tile& tile, int side, glm::dvec2 position) {
+  Cover cover{side, position, locateParams(tile, side, position), {}};
+  for (const ParamSample& sample : cover.samples) cover.distance.push_back(sample.covered() ? 0.0 : 1e300);
+  for (uint32_t t = 0; t < tile.triangles.size(); ++t) {
+    const glm::uvec3& v = tile.triangles[t];
+    const glm::dvec2 corner[3] = {tile.params[v.x], tile.params[v.y], tile.params[v.z]};
+    const glm::dvec2 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+    if (e1.x * e2.y - e1.y * e2.x == 0) continue;
+    for (int k = 0; k < 3; ++k) coverEdge({t, k}, corner[k] * double(side), (corner[(k + 1) % 3] - corner[k]) * double(side), cover);
+  }
+  return std::move(cover.samples);
 }
 
 }  // namespace loden::importer

@@ -199,6 +199,17 @@ TEST(GutterOf, SeesAChartNarrowerThanItsCells) {
   EXPECT_LE(gutterOf(tile), x - 0.2);
 }
 
+TEST(GutterOf, IsWhatASquareBridgesAcrossCorners) {
+  const auto corners = [](double gap) {
+    const double a = 0.4, b = a + gap;
+    return triangles({{0.1, 0.1}, {a, 0.1}, {a, a}, {b, b}, {0.9, b}, {0.9, 0.9}});
+  };
+  for (const double gap : {0.01, 0.1}) {
+    EXPECT_LE(gutterOf(corners(gap)), gap);
+    EXPECT_GT(gutterOf(corners(gap)), gap - 2.0 / 256);
+  }
+}
+
 // Every texel that a yarn overlaps has samples; one at the nearest point where none lies under the texel's own.
 TEST(SurfaceSamples, AreThereWhereverAYarnOverlapsATexel) {
   constexpr int n = 32;

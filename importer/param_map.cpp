@@ -13,10 +13,27 @@ namespace {
 
 constexpr double kInside = 1e-9;  // tolerance of barycentric weights, so that samples on shared edges are met
 
-void rasterize(const glm::dvec2 (&corner)[3], uint32_t triangle, int side, glm::dvec2 position, std::vector<ParamSample>& samples) {
-  const glm::dvec2 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-  const double area = e1.x * e2.y - e1.y * e2.x;
-  if (area == 0) return;
+// A triangle in p; 0 for `area` (twice its area, with its sign) means that it has no place there.
+struct Flat {
+  Flat(const Tile& tile, uint32_t triangle) {
+    for (int k = 0; k < 3; ++k) corner[k] = tile.params[tile.triangles[triangle][k]];
+    e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+    area = e1.x * e2.y - e1.y * e2.x;
+  }
+  // Of the second and third corner.
+  glm::dvec2 weights(glm::dvec2 p) const {
+    const glm::dvec2 d = p - corner[0];
+    return glm::dvec2(d.x * e2.y - d.y * e2.x, e1.x * d.y - e1.y * d.x) / area;
+  }
+  glm::dvec2 along(int edge) const { return corner[(edge + 1) % 3] - corner[edge]; }
+
+  glm::dvec2 corner[3], e1{0}, e2{0};
+  double area = 0;
+};
+
+void rasterize(const Flat& flat, uint32_t triangle, int side, glm::dvec2 position, std::vector<ParamSample>& samples) {
+  if (flat.area == 0) return;
+  const auto& corner = flat.corner;
   const glm::dvec2 low = glm::min(corner[0], glm::min(corner[1], corner[2]));
   const glm::dvec2 high = glm::max(corner[0], glm::max(corner[1], corner[2]));
   const glm::ivec2 first(glm::ceil(low * double(side) - position - 1e-6)), last(glm::floor(high * double(side) - position + 1e-6));
@@ -24,10 +41,9 @@ void rasterize(const glm::dvec2 (&corner)[3], uint32_t triangle, int side, glm::
     for (int i = first.x; i <= last.x; ++i) {
       ParamSample& sample = samples[size_t(wrapIndex(j, side)) * size_t(side) + size_t(wrapIndex(i, side))];
       if (sample.covered()) continue;
-      const glm::dvec2 d = (glm::dvec2(i, j) + position) / double(side) - corner[0];
-      const double b1 = (d.x * e2.y - d.y * e2.x) / area, b2 = (e1.x * d.y - e1.y * d.x) / area;
-      if (b1 < -kInside || b2 < -kInside || b1 + b2 > 1 + kInside) continue;
-      sample = {triangle, glm::vec2(b1, b2)};
+      const glm::dvec2 b = flat.weights((glm::dvec2(i, j) + position) / double(side));
+      if (b.x < -kInside || b.y < -kInside || b.x + b.y > 1 + kInside) continue;
+      sample = {triangle, glm::vec2(b)};
     }
 }
 
@@ -88,7 +104,8 @@ std::vector<Edge> borderEdges(const Tile& tile) {
   for (const glm::dvec2& p : tile.params) params.push_back({p, 0});
   const auto same = weldVertices(params, {1, 1, 0}, 1e-9);
   std::map<std::array<long, 5>, std::pair<int, Edge>> uses;  // ends, periods between them, chart
-  for (uint32_t t = 0; t < tile.triangles.size(); ++t)
+  for (uint32_t t = 0; t < tile.triangles.size(); ++t) {
+    if (Flat(tile, t).area == 0) continue;
     for (int k = 0; k < 3; ++k) {
       const uint32_t a = tile.triangles[t][k], b = tile.triangles[t][(k + 1) % 3];
       const glm::dvec2 across = glm::round(tile.params[b] - tile.params[same[b]] - tile.params[a] + tile.params[same[a]]);
@@ -97,6 +114,7 @@ std::vector<Edge> borderEdges(const Tile& tile) {
                                          : std::array<long, 5>{long(same[b]), long(same[a]), -x, -y, tile.charts[t]};
       ++uses.try_emplace(key, 0, Edge{t, k}).first->second.first;
     }
+  }
   std::vector<Edge> edges;
   for (const auto& [key, use] : uses)
     if (use.first == 1) edges.push_back(use.second);
@@ -104,16 +122,8 @@ std::vector<Edge> borderEdges(const Tile& tile) {
 }
 
 void extendEdge(const Tile& tile, const Edge& edge, int side, double radius, std::vector<ParamExtension>& cells) {
-  const glm::uvec3& v = tile.triangles[edge.triangle];
-  const glm::dvec2 corner[3] = {tile.params[v.x], tile.params[v.y], tile.params[v.z]};
-  const glm::dvec2 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-  const double area = e1.x * e2.y - e1.y * e2.x;
-  if (area == 0) return;
-  const glm::dvec2 a = corner[edge.corner], along = corner[(edge.corner + 1) % 3] - a;
-  const auto weights = [&](glm::dvec2 p) {
-    const glm::dvec2 d = p - corner[0];
-    return glm::dvec2(d.x * e2.y - d.y * e2.x, e1.x * d.y - e1.y * d.x) / area;
-  };
+  const Flat flat(tile, edge.triangle);
+  const glm::dvec2 a = flat.corner[edge.corner], along = flat.along(edge.corner);
   const glm::dvec2 low = glm::min(a, a + along) * double(side) - radius, high = glm::max(a, a + along) * double(side) + radius;
   for (int j = int(std::floor(low.y)); j <= int(std::ceil(high.y)); ++j)
     for (int i = int(std::floor(low.x)); i <= int(std::ceil(high.x)); ++i) {
@@ -122,7 +132,7 @@ void extendEdge(const Tile& tile, const Edge& edge, int side, double radius, std
       const double distance = glm::distance(p, nearest) * side;
       ParamExtension& cell = cells[size_t(wrapIndex(j, side)) * size_t(side) + size_t(wrapIndex(i, side))];
       if (distance > radius || distance >= cell.distance) continue;
-      cell = {edge.triangle, weights(p), weights(nearest), distance};
+      cell = {edge.triangle, flat.weights(p), flat.weights(nearest), distance};
     }
 }
 
@@ -136,10 +146,7 @@ std::vector<ParamExtension> extendParams(const Tile& tile, int side, double radi
 
 std::vector<ParamSample> locateParams(const Tile& tile, int side, glm::dvec2 position) {
   std::vector<ParamSample> samples(size_t(side) * size_t(side));
-  for (uint32_t t = 0; t < tile.triangles.size(); ++t) {
-    const glm::uvec3& v = tile.triangles[t];
-    rasterize({tile.params[v.x], tile.params[v.y], tile.params[v.z]}, t, side, position, samples);
-  }
+  for (uint32_t t = 0; t < tile.triangles.size(); ++t) rasterize(Flat(tile, t), t, side, position, samples);
   return samples;
 }
 
@@ -147,11 +154,9 @@ std::vector<ParamSample> coverParams(const Tile& tile, int side, glm::dvec2 posi
   Cover cover{side, position, locateParams(tile, side, position), {}};
   for (const ParamSample& sample : cover.samples) cover.distance.push_back(sample.covered() ? 0.0 : 1e300);
   for (uint32_t t = 0; t < tile.triangles.size(); ++t) {
-    const glm::uvec3& v = tile.triangles[t];
-    const glm::dvec2 corner[3] = {tile.params[v.x], tile.params[v.y], tile.params[v.z]};
-    const glm::dvec2 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-    if (e1.x * e2.y - e1.y * e2.x == 0) continue;
-    for (int k = 0; k < 3; ++k) coverEdge({t, k}, corner[k] * double(side), (corner[(k + 1) % 3] - corner[k]) * double(side), cover);
+    const Flat flat(tile, t);
+    if (flat.area == 0) continue;
+    for (int k = 0; k < 3; ++k) coverEdge({t, k}, flat.corner[k] * double(side), flat.along(k) * double(side), cover);
   }
   return std::move(cover.samples);
 }

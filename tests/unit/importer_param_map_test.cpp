@@ -239,6 +239,40 @@ TEST(SurfaceSamples, AreThereWhereverAYarnOverlapsATexel) {
   EXPECT_GT(empty, 50);
 }
 
+// All texels of the geometry image that a yarn overlaps belong to it, so that patches reach its border.
+TEST(Bake, TheGeometryImageIsOfTheChartThatOverlapsIt) {
+  const Tile tile = *builtinTile("weave", 48);
+  const TemporaryFolder folder;
+  BakeOptions options;
+  options.size = 32;
+  options.geometry_size = 64;
+  options.maps = {false, false, false, true};
+  options.quiet = true;
+  ASSERT_TRUE(bake(tile, "weave", folder.path(), options).ok());
+  const BakedOutput output = *BakedOutput::open(folder.path());
+  const auto geometry = *output.geometry();
+  const auto cells = coverParams(tile, 64, glm::dvec2(0.5)), points = locateParams(tile, 64, glm::dvec2(0.5));
+  int between = 0;
+  for (size_t t = 0; t < geometry.size(); ++t) {
+    for (int c = 0; c < 4; ++c) ASSERT_TRUE(std::isfinite(geometry[t][c]));
+    if (!cells[t].covered()) continue;
+    between += !points[t].covered();
+    EXPECT_EQ(geometry[t].w, float(tile.charts[cells[t].triangle])) << t;
+  }
+  EXPECT_GT(between, 20);
+  const BakedOutput::Surface surface = *output.surface();
+  for (const glm::vec3& normal : surface.normal) ASSERT_TRUE(std::isfinite(normal.x) && std::isfinite(normal.y) && std::isfinite(normal.z));
+}
+
+TEST(ExtendParams, LooksThroughTrianglesWithoutArea) {
+  // A cap on the right side of a square, its corners on one line.
+  Tile tile = triangles({{0.2, 0.2}, {0.5, 0.2}, {0.5, 0.6}, {0.5, 0.2}, {0.5, 0.4}, {0.5, 0.6}});
+  tile.charts = {1, 1};
+  for (const ParamExtension& cell : extendParams(tile, 16, 2))
+    if (cell.exists()) { EXPECT_EQ(cell.triangle, 0u); }
+  EXPECT_EQ(extendParams(tile, 16, 2)[6 * 16 + 8].triangle, 0u);  // half a cell to the right of the cap
+}
+
 // A black floor, and a white band over it that has an eighth of a texel in the flat map, between its samples.
 TEST(Bake, AChartNarrowerThanASampleIsInTheFlatMap) {
   constexpr int n = 32;

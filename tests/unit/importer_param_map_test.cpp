@@ -273,6 +273,82 @@ TEST(ExtendParams, LooksThroughTrianglesWithoutArea) {
   EXPECT_EQ(extendParams(tile, 16, 2)[6 * 16 + 8].triangle, 0u);  // half a cell to the right of the cap
 }
 
+// Hills in four charts that stand obliquely in p, so that all seams are in view.
+Tile quarters(int n) {
+  Tile tile = testing::heightFieldTile(2 * n, [](glm::dvec2 p) { return 0.06 * std::cos(6 * kPi * p.x) * std::cos(6 * kPi * p.y) - 0.06; });
+  const Tile whole = std::move(tile);
+  tile = {};
+  const double c = std::cos(0.35), s = std::sin(0.35);
+  for (int chart = 0; chart < 4; ++chart) {
+    const auto first = uint32_t(tile.positions.size()), row = uint32_t(n) + 1;
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        const size_t v = size_t(chart / 2 * n + j) * size_t(2 * n + 1) + size_t(chart % 2 * n + i);
+        const glm::dvec2 q = 0.3 * (glm::dvec2(i, j) / double(n) - 0.5);
+        tile.positions.push_back(whole.positions[v]), tile.normals.push_back(whole.normals[v]);
+        tile.params.push_back(glm::dvec2(chart % 2, chart / 2) * 0.5 + 0.25 + glm::dvec2(c * q.x - s * q.y, s * q.x + c * q.y));
+        tile.brdfs.push_back({glm::vec3(0.5f + 0.4f * float(std::sin(10 * kPi * tile.positions.back().x))), 0, 1});
+      }
+    for (uint32_t j = 0; j < uint32_t(n); ++j)
+      for (uint32_t i = 0; i < uint32_t(n); ++i) {
+        const uint32_t a = first + j * row + i;
+        tile.triangles.push_back({a, a + 1, a + row + 1});
+        tile.triangles.push_back({a, a + row + 1, a + row});
+      }
+    tile.charts.insert(tile.charts.end(), size_t(2 * n * n), uint16_t(chart + 1));
+  }
+  return tile;
+}
+
+// Against the mean of the surface that the texel holds: the nearest point, and what push-pull has to offer.
+TEST(Bake, ATexelThatASeamCutsIsCloserThanItsFillWouldBe) {
+  constexpr int n = 32, per_side = 2, kFine = 16;
+  const Tile tile = quarters(24);
+  const TemporaryFolder folder;
+  BakeOptions options;
+  options.size = n;
+  options.supersample = per_side;
+  options.directions = concentricDirections(3);
+  options.maps = {false, true, false, false};
+  options.quiet = true;
+  const auto report = bake(tile, "quarters", folder.path(), options);
+  ASSERT_TRUE(report.ok()) << report.issue().text;
+  const BakedOutput output = *BakedOutput::open(folder.path());
+  const TileTracer tracer(tile);
+  const auto& directions = options.directions.samples;
+  constexpr int kAbove = 4;  // the middle of 3 x 3
+  const auto flat = *output.flatView(kAbove);
+  const auto visible = *output.visibleView(kAbove);
+  const TexelPoints points = locateTexels(tile, n, per_side);
+  std::vector<std::vector<ParamSample>> fine;
+  for (int k = 0; k < kFine * kFine; ++k) fine.push_back(locateParams(tile, n, (glm::dvec2(k % kFine, k / kFine) + 0.5) / double(kFine)));
+  std::vector<float> weights(size_t(n * n));
+  for (size_t t = 0; t < weights.size(); ++t) weights[t] = points.between[t].covered() ? 0 : visible[t];
+  const HoleFill fill(FillMethod::kPushPull, n, weights, ownersOf(tile, n, points));
+  double stored_error = 0, filled_error = 0;
+  int seams = 0;
+  for (size_t l = 0; l < directions.size(); ++l) {
+    const std::vector<glm::vec3> stored(flat.begin() + long(l * n * n), flat.begin() + long((l + 1) * n * n));
+    auto filled = stored;
+    fill.apply(filled);
+    for (size_t t = 0; t < size_t(n * n); ++t) {
+      if (!points.between[t].covered()) continue;
+      glm::dvec3 mean(0);
+      int count = 0;
+      for (const auto& samples : fine)
+        if (samples[t].covered())
+          mean += shadeHit(tracer, tracer.pointOn(samples[t].triangle, glm::dvec2(samples[t].b)), directions[l], directions[kAbove], 0, 0), ++count;
+      if (count == 0) continue;
+      ++seams;
+      mean /= count;
+      stored_error += std::pow(stored[t].y - mean.y, 2), filled_error += std::pow(filled[t].y - mean.y, 2);
+    }
+  }
+  EXPECT_GT(seams, 100);
+  EXPECT_LT(stored_error, 0.25 * filled_error)  // half as far off; the nearest point is not the mean
+      << std::sqrt(stored_error / seams) << " and " << std::sqrt(filled_error / seams);
+}
+
 // A black floor, and a white band over it that has an eighth of a texel in the flat map, between its samples.
 TEST(Bake, AChartNarrowerThanASampleIsInTheFlatMap) {
   constexpr int n = 32;

@@ -43,7 +43,7 @@ Status checkOptions(const BakeOptions& o) {
   return {};
 }
 
-// Charts need a gutter of two texels in every map, so that no filter mixes them.
+// Charts need a gutter of two texels in every map, so that no filter mixes them and no texel is overlapped by two.
 Status checkGutters(const Tile& tile, const BakeManifest& m) {
   if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
   const double gutter = gutterOf(tile) + 1.0 / 256;  // gutterOf rounds down

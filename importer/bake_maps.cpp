@@ -92,19 +92,34 @@ Image bakeConcentricVdim(const BakeScene& scene, int directions) {
   });
 }
 
-std::vector<uint16_t> ownersOf(const Tile& tile, int side, const std::vector<std::vector<ParamSample>>& located) {
+TexelPoints locateTexels(const Tile& tile, int side, int supersample) {
+  TexelPoints points{{}, coverParams(tile, side, glm::dvec2(0.5))};
+  for (int k = 0; k < supersample * supersample; ++k) {
+    points.located.push_back(locateParams(tile, side, samplePosition(k, supersample)));
+    for (size_t t = 0; t < points.between.size(); ++t)
+      if (points.located.back()[t].covered()) points.between[t] = {};
+  }
+  return points;
+}
+
+std::vector<uint16_t> ownersOf(const Tile& tile, int side, const TexelPoints& points) {
   if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
   std::vector<uint16_t> labels(size_t(side) * size_t(side), 0);
-  for (const auto& samples : located)
+  const auto label = [&](const std::vector<ParamSample>& samples) {
     for (size_t t = 0; t < labels.size(); ++t)
       if (labels[t] == 0 && samples[t].covered()) labels[t] = tile.charts[samples[t].triangle];
+  };
+  for (const auto& samples : points.located) label(samples);
+  label(points.between);
   return chartOwners(side, labels);
 }
 
 namespace {
 
 // Texels beside a chart continue it: within kMargin of its border they count as its surface, so that patches
-// reach the border; further on they only lead searches back.
+// reach the border; further on they only lead searches back. A patch passes through the surface only if the texel
+// holds what lies under its centre, which the nearest point of a chart that merely overlaps it would not be. All that
+// do overlap it are nearer than kMargin, so the image is conservative as it is.
 constexpr double kMargin = 1.4143, kContinuation = 8;  // texels
 constexpr double kFilterReach = 2;  // texels of a surface map beyond a border that filters read
 
@@ -171,26 +186,24 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
   const size_t texels = size_t(side) * size_t(side);
   std::vector<float> coverage(texels);
   std::vector<glm::vec3> normal(texels), diffuse(texels), specular(texels);
-  std::vector<std::vector<ParamSample>> located;
+  const TexelPoints points = locateTexels(scene.tracer.tile(), side, per_side);
   const auto add = [&](size_t t, const TileHit& hit) {
     coverage[t] += 1;
     normal[t] += glm::vec3(hit.normal);
     diffuse[t] += hit.brdf.diffuse;
     specular[t] += glm::vec3(phongLobe(hit.brdf), 0);
   };
-  for (int k = 0; k < per_side * per_side; ++k) {
-    located.push_back(locateParams(scene.tracer.tile(), side, samplePosition(k, per_side)));
-    for (size_t t = 0; t < texels; ++t) {
-      const ParamSample& at = located.back()[t];
-      if (at.covered()) add(t, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)));
-    }
-  }
+  for (const auto& located : points.located)
+    for (size_t t = 0; t < texels; ++t)
+      if (const ParamSample& at = located[t]; at.covered()) add(t, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)));
+  // Also where the surface overlaps a texel between the samples: a border is near, and the values are of its nearest
+  // point.
   const auto beyond = extendParams(scene.tracer.tile(), side, kFilterReach);
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] == 0 && beyond[t].exists()) add(t, continuedPoint(scene.tracer, beyond[t]));
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] > 0) normal[t] /= coverage[t], diffuse[t] /= coverage[t], specular[t] /= coverage[t];
-  const HoleFill fill(scene.manifest.fill, side, coverage, ownersOf(scene.tracer.tile(), side, located));
+  const HoleFill fill(scene.manifest.fill, side, coverage, ownersOf(scene.tracer.tile(), side, points));
   return {bakeGeometry(scene), filledMap(side, 3, fill, std::move(normal)), filledMap(side, 3, fill, std::move(diffuse)),
           filledMap(side, 2, fill, std::move(specular))};
 }

@@ -35,9 +35,19 @@ glm::dvec2 samplePosition(int k, int supersample);
 // Indirect light of one path per sample, added to values[light] (white units).
 void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed, glm::vec3* values);
 
+// The points of the surface that a side x side map over p stands for.
+struct TexelPoints {
+  std::vector<std::vector<ParamSample>> located;  // [k][texel]: under sample k of supersample^2
+  // [texel]: the point nearest to the texel's centre where the surface overlaps the texel and lies under none of its
+  // samples (coverParams), so that every texel with some surface has a value of it. Whole texels and not the cells of
+  // single samples are looked at: those that are met have their share of the texel's area as it is, and more points
+  // at the border would outweigh it.
+  std::vector<ParamSample> between;
+};
+TexelPoints locateTexels(const Tile& tile, int side, int supersample);
+
 // Chart that each texel of a side x side map over p belongs to, gutters included; empty if there is one chart.
-// located: samples of the map, as many sets as there are samples per texel.
-std::vector<uint16_t> ownersOf(const Tile& tile, int side, const std::vector<std::vector<ParamSample>>& located);
+std::vector<uint16_t> ownersOf(const Tile& tile, int side, const TexelPoints& points);
 
 class SurfaceSamples;
 

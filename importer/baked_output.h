@@ -34,7 +34,7 @@ namespace loden::importer {
 class RepairLog;
 
 // Raised when the same tile and options bake to other pixels than before.
-inline constexpr int kBakeRevision = 3;
+inline constexpr int kBakeRevision = 4;
 
 struct BakeManifest {
   int revision = kBakeRevision;

@@ -170,14 +170,41 @@ double packCharts(Tile& tile) {
   return gutter;
 }
 
+namespace {
+
+// Free cells between the two nearest charts, as a square sees it: the larger distance of x and y. Charts grow ring
+// by ring until two meet. All of them if there is one chart.
+int freeBetweenCharts(int side, std::vector<uint16_t> labels) {
+  for (int rings = 0; 2 * rings < side; ++rings) {
+    const std::vector<uint16_t> before = labels;
+    bool in_one_cell = false;
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        uint16_t& mine = labels[size_t(j) * size_t(side) + size_t(i)];
+        const bool taken = mine != 0;
+        for (int k = 0; k < 9; ++k) {
+          const uint16_t theirs = before[size_t(wrapIndex(j + k / 3 - 1, side)) * size_t(side) + size_t(wrapIndex(i + k % 3 - 1, side))];
+          if (theirs == 0 || theirs == mine) continue;
+          if (taken) return 2 * rings;
+          in_one_cell = in_one_cell || mine != 0;
+          mine = theirs;
+        }
+      }
+    if (in_one_cell) return 2 * rings + 1;
+  }
+  return side;
+}
+
+}  // namespace
+
 double gutterOf(const Tile& tile) {
   constexpr int kCells = 256;
   std::vector<uint16_t> labels(size_t(kCells) * kCells, 0);
-  const auto located = locateParams(tile, kCells, glm::dvec2(0.5));
+  const auto cells = coverParams(tile, kCells, glm::dvec2(0.5));
   for (size_t t = 0; t < labels.size(); ++t)
-    if (located[t].covered()) labels[t] = tile.charts[located[t].triangle];
-  // Runs of free cells along rows and columns, between any two covered ones.
-  int least = kCells;
+    if (cells[t].covered()) labels[t] = tile.charts[cells[t].triangle];
+  int least = freeBetweenCharts(kCells, labels);
+  // Runs of free cells along rows and columns, between any two covered ones: of a chart from its repetition too.
   for (int axis = 0; axis < 2; ++axis)
     for (int line = 0; line < kCells; ++line) {
       const auto at = [&](int k) { return labels[size_t(axis == 0 ? line * kCells + k % kCells : k % kCells * kCells + line)]; };

@@ -27,8 +27,9 @@ bool isAtlas(std::span<const glm::dvec2> params, std::span<const glm::uvec3> tri
 // with 32 texels per side) or, where that would waste the domain on many small charts, less.
 double packCharts(Tile& tile);
 
-// Least distance between two charts, or of a chart from its own repetition, in periods, along x or y; 1 if there is
-// one chart that meets itself everywhere. Counted in cells of 1/256, rounded down.
+// Side of the largest square, in periods, that never overlaps two charts (texels, and what a linear filter reads, are
+// squares), nor, where they lie along x or y, a chart and its own repetition; 1 if there is one chart that meets itself
+// everywhere. Counted in cells of 1/256 that no triangle overlaps: never too much, and less than two cells too little.
 double gutterOf(const Tile& tile);
 
 // Who a texel of a map over p belongs to: the chart that covers it, or in gutters the nearest one. labels: chart

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "importer/bake_scene.h"
 #include "importer/periodic_noise.h"
 #include "material/color.h"
 
@@ -25,26 +24,32 @@ float weightOf(const glm::vec3& value) {
   return kHalf / (kHalf + std::max(y, 0.0f));
 }
 
+// The texels that the filter reads at a place of a texel, from that one.
+struct Tap {
+  glm::ivec2 step;
+  float weight;
+};
+std::array<Tap, 4> tapsAt(const glm::dvec2& place) {
+  const glm::dvec2 at = place - 0.5, cell = glm::floor(at), f = at - cell;
+  std::array<Tap, 4> taps;
+  for (int k = 0; k < 4; ++k) {
+    const glm::ivec2 corner(k & 1, k >> 1);
+    taps[size_t(k)] = {glm::ivec2(cell) + corner, float((corner.x ? f.x : 1 - f.x) * (corner.y ? f.y : 1 - f.y))};
+  }
+  return taps;
+}
+
 }  // namespace
 
 LinearTexels::LinearTexels(int side, int per_side, size_t lights)
-    : side_(side), lights_(lights), full_(float(per_side * per_side)), normal_(size_t(side) * size_t(side) * lights), right_(normal_.size()) {
-  for (int place = 0; place < per_side * per_side; ++place) {
-    const glm::dvec2 at = samplePosition(place, per_side) - 0.5, cell = glm::floor(at), f = at - cell;
-    auto& taps = taps_.emplace_back();
-    for (int k = 0; k < 4; ++k) {
-      const glm::ivec2 corner(k & 1, k >> 1);
-      taps[size_t(k)] = {glm::ivec2(cell) + corner, float((corner.x ? f.x : 1 - f.x) * (corner.y ? f.y : 1 - f.y))};
-    }
-  }
-}
+    : side_(side), lights_(lights), full_(float(per_side * per_side)), normal_(size_t(side) * size_t(side) * lights), right_(normal_.size()) {}
 
 size_t LinearTexels::texelAt(glm::ivec2 at) const {
   return size_t(wrapIndex(at.y, side_)) * size_t(side_) + size_t(wrapIndex(at.x, side_));
 }
 
-void LinearTexels::add(glm::ivec2 texel, int place, std::span<const glm::vec3> values) {
-  const auto& taps = taps_[size_t(place)];
+void LinearTexels::add(glm::ivec2 texel, const glm::dvec2& place, std::span<const glm::vec3> values) {
+  const auto taps = tapsAt(place);
   std::array<size_t, 4> first;  // of each tap's lights
   for (size_t k = 0; k < taps.size(); ++k) first[k] = texelAt(texel + taps[k].step) * lights_;
   for (size_t l = 0; l < lights_; ++l) {

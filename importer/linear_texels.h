@@ -15,12 +15,12 @@ namespace loden::importer {
 
 class LinearTexels {
  public:
-  // A periodic side x side map with per_side^2 samples a texel at samplePosition; `lights` maps in one.
+  // A periodic side x side map with per_side^2 samples a texel, or fewer; `lights` maps in one.
   LinearTexels(int side, int per_side, size_t lights);
 
-  // Sample `place` (k of samplePosition) of a texel, its value under every light. Touches the texel's neighbours:
-  // at the same time only for rows that are three or more apart.
-  void add(glm::ivec2 texel, int place, std::span<const glm::vec3> values);
+  // A sample at `place` in a texel, in [0,1]^2, its value under every light. Touches the texel's neighbours: at the
+  // same time only for rows that are three or more apart.
+  void add(glm::ivec2 texel, const glm::dvec2& place, std::span<const glm::vec3> values);
 
   // The map of one light. texels: [texel] means, holes filled: the first guess, and what texels with few samples
   // around them stay close to; replaced by the fitted ones, none below 0.
@@ -28,17 +28,12 @@ class LinearTexels {
 
  private:
   static constexpr int kNear = 9;  // a texel and its neighbours, row by row
-  struct Tap {
-    glm::ivec2 step;
-    float weight;
-  };
   size_t texelAt(glm::ivec2 at) const;
   using Row = std::array<float, kNear>;  // of the normal equations
 
   int side_;
   size_t lights_;
   float full_;  // samples a texel
-  std::vector<std::array<Tap, 4>> taps_;          // [place]
   std::vector<Row> normal_;                       // [texel][light]
   std::vector<glm::vec3> right_;                  // [texel][light]
 };

@@ -1,5 +1,7 @@
 // Which point of the tile lies under a parameter p: the tile's triangles rasterized over the parameter torus
-// (FBTF 3.3, "rendering the meso-geometry, using the parameterization as vertex coordinates").
+// (FBTF 3.3, "rendering the meso-geometry, using the parameterization as vertex coordinates"), at points, or
+// conservatively: whatever a triangle overlaps (Hasselgren, Akenine-Moeller, Ohlsson 2005, "Conservative
+// Rasterization", GPU Gems 2, chapter 42). Triangles without area in p overlap nothing.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +22,11 @@ struct ParamSample {
 // One sample per cell of a side x side grid over p, at (cell + position) / side; row-major, x fastest. Where
 // triangles overlap the first counts.
 std::vector<ParamSample> locateParams(const Tile& tile, int side, glm::dvec2 position);
+
+// The same for whole cells: covered is each that has area in common with a triangle (to 1e-9 of a cell's side; those
+// that only touch it do not count). A cell whose sample lies in no triangle has the point of the surface inside the
+// cell that is nearest to the sample, of equals the first triangle's.
+std::vector<ParamSample> coverParams(const Tile& tile, int side, glm::dvec2 position);
 
 // The nearest border of a chart, for a cell outside: where the surface would go on if the triangle at the border
 // did.

@@ -17,21 +17,27 @@ constexpr double kNear = 8;  // sample spacings between a point and the samples 
 SurfaceSamples::SurfaceSamples(const BakeScene& scene)
     : side_(scene.manifest.flat_size), per_side_(scene.manifest.supersample), offset_(samplePosition(0, per_side_) * double(per_side_)) {
   const int per_texel = per_side_ * per_side_, grid_side = side_ * per_side_;
-  std::vector<std::vector<ParamSample>> located;
-  for (int k = 0; k < per_texel; ++k)
-    located.push_back(locateParams(scene.tracer.tile(), side_, samplePosition(k, per_side_)));
-  owners_ = ownersOf(scene.tracer.tile(), side_, located);
+  const TexelPoints points = locateTexels(scene.tracer.tile(), side_, per_side_);
+  owners_ = ownersOf(scene.tracer.tile(), side_, points);
   grid_.assign(size_t(grid_side) * size_t(grid_side), kNone);
   first_.assign(1, 0);
+  const auto add = [&](const ParamSample& at, const TileHit& hit, const glm::dvec2& place) {
+    samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b, place});
+  };
   for (size_t t = 0; t < size_t(side_) * size_t(side_); ++t) {
+    const glm::ivec2 texel(int(t) % side_, int(t) / side_);
     for (int k = 0; k < per_texel; ++k) {
-      const ParamSample& at = located[size_t(k)][t];
+      const ParamSample& at = points.located[size_t(k)][t];
       if (!at.covered()) continue;
+      const glm::ivec2 cell = texel * per_side_ + glm::ivec2(k % per_side_, k / per_side_);
+      grid_[size_t(cell.y) * size_t(grid_side) + size_t(cell.x)] = static_cast<uint32_t>(samples_.size());
+      add(at, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)), samplePosition(k, per_side_));
+    }
+    // Not in the grid: it does not lie where the grid's samples do.
+    if (const ParamSample& at = points.between[t]; at.covered()) {
       const TileHit hit = scene.tracer.pointOn(at.triangle, glm::dvec2(at.b));
-      const size_t column = t % size_t(side_) * size_t(per_side_) + size_t(k % per_side_);
-      const size_t row = t / size_t(side_) * size_t(per_side_) + size_t(k / per_side_);
-      grid_[row * size_t(grid_side) + column] = static_cast<uint32_t>(samples_.size());
-      samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b, uint16_t(k)});
+      const glm::dvec2 off = hit.p * double(side_) - glm::dvec2(texel) - 0.5;
+      add(at, hit, glm::clamp(off - glm::round(off / double(side_)) * double(side_) + 0.5, 0.0, 1.0));
     }
     first_.push_back(static_cast<uint32_t>(samples_.size()));
   }

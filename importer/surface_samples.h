@@ -16,19 +16,19 @@ struct SurfaceSample {
   LocalBrdf brdf;
   uint32_t triangle;
   glm::vec2 b;
-  uint16_t place;  // in its texel: k of samplePosition
+  glm::dvec2 place;  // in its texel, in [0,1]^2
 };
 
 class SurfaceSamples {
  public:
-  // supersample^2 samples for each of flat_size^2 texels, at samplePosition; traces a ray to every light that the
-  // sample faces.
+  // supersample^2 samples for each of flat_size^2 texels, at samplePosition, and one for a texel that the surface
+  // overlaps between them (locateTexels); traces a ray to every light that the sample faces.
   explicit SurfaceSamples(const BakeScene& scene);
 
   int side() const { return side_; }  // texels
   // Chart that each texel belongs to (ownersOf); empty if there is one chart.
   const std::vector<uint16_t>& owners() const { return owners_; }
-  // Samples of one texel, row-major; fewer where the parameter domain is not covered.
+  // Samples of one texel, row-major; fewer at the border of a chart, none where nothing of the surface is.
   size_t first(size_t texel) const { return first_[texel]; }
   size_t end(size_t texel) const { return first_[texel + 1]; }
   const SurfaceSample& operator[](size_t sample) const { return samples_[sample]; }

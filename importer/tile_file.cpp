@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastGutter = 1.0 / 32;  // tile periods; charts of files that lie closer are packed anew
+constexpr double kLeastGutter = 1.0 / 32 - 1.0 / 256;  // tile periods, as gutterOf counts; charts of files that lie closer are packed anew
 
 Issue refuse(int id, const std::string& where, const std::string& why) { return {id, Severity::kError, where, why}; }
 

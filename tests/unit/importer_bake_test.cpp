@@ -301,7 +301,7 @@ TEST(LinearTexels, ErrOnTheBrightSide) {
   LinearTexels linear(n, per_side, 1);
   for (int t = 0; t < n * n; ++t)
     for (int k = 0; k < per_side * per_side; ++k)
-      for (const glm::vec3& value : {glm::vec3(0), glm::vec3(1)}) linear.add({t % n, t / n}, k, std::span(&value, 1));
+      for (const glm::vec3& value : {glm::vec3(0), glm::vec3(1)}) linear.add({t % n, t / n}, samplePosition(k, per_side), std::span(&value, 1));
   std::vector<glm::vec3> texels(n * n, glm::vec3(0.5f));
   linear.fit(0, texels);
   for (const glm::vec3& texel : texels) {
@@ -327,7 +327,7 @@ TEST(LinearTexels, RecoverAMapFromItsFilteredSamples) {
         const glm::dvec2 at = glm::dvec2(i, j) + samplePosition(k, per_side) - 0.5, cell = glm::floor(at), f = at - cell;
         const auto read = [&](int x, int y) { return map[size_t((int(cell.y) + y + n) % n * n + (int(cell.x) + x + n) % n)]; };
         const glm::vec3 value = glm::mix(glm::mix(read(0, 0), read(1, 0), float(f.x)), glm::mix(read(0, 1), read(1, 1), float(f.x)), float(f.y));
-        linear.add({i, j}, k, std::span(&value, 1));
+        linear.add({i, j}, samplePosition(k, per_side), std::span(&value, 1));
         mean += value / float(per_side * per_side);
       }
     }

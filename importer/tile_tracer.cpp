@@ -273,8 +273,7 @@ void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const ui
                           std::span<uint8_t> blocked) const {
   LODEN_CHECK_EQ(origins.size(), wanted.size());
   LODEN_CHECK_EQ(origins.size(), blocked.size());
-  const double travel = (kSlack - impl_->z_min) * glm::length(glm::vec2(direction)) / direction.z;
-  const bool one_segment = direction.z > 0 && travel < impl_->margin;
+  const float low = float(-impl_->margin), high = float(1 + impl_->margin);
   RTCRay rays[kStream];
   size_t index[kStream], count = 0;
   const auto trace = [&] {
@@ -286,12 +285,14 @@ void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const ui
   for (size_t i = 0; i < origins.size(); ++i) {
     blocked[i] = 1;
     if (!wanted[i]) continue;
-    if (!one_segment) {
+    const glm::vec3 start = origins[i] - glm::vec3(glm::floor(glm::vec2(origins[i])), 0);
+    const float length = std::max(0.0f, (float(kSlack) - start.z) / direction.z);  // negative would read as blocked
+    const glm::vec2 end = glm::vec2(start) + length * glm::vec2(direction);
+    if (direction.z <= 0 || std::min(end.x, end.y) < low || std::max(end.x, end.y) > high) {
       blocked[i] = impl_->blocked(glm::dvec3(origins[i]), glm::dvec3(direction));
       continue;
     }
-    const glm::vec3 start = origins[i] - glm::vec3(glm::floor(glm::vec2(origins[i])), 0);
-    rays[count] = makeRay(start, direction, std::max(0.0f, (float(kSlack) - start.z) / direction.z));  // negative would read as blocked
+    rays[count] = makeRay(start, direction, length);
     index[count++] = i;
     if (count == kStream) trace();
   }

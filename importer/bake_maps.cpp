@@ -57,16 +57,13 @@ Image traceCells(const BakeScene& scene, const std::vector<glm::dvec3>& views, i
   tbb::parallel_for(0, layout.cells, [&](int cell) {
     const FlushDenormals flush;
     uint64_t misses = 0;
-    std::vector<glm::dvec2> x(static_cast<size_t>(side));  // of one row
-    std::vector<std::optional<TileHit>> hits(x.size());
-    for (int j = 0; j < side; ++j) {
-      for (int i = 0; i < side; ++i) x[size_t(i)] = (glm::dvec2(i, j) + 0.5 + kBeside) / double(side);
-      scene.tracer.intersectViews(x, views[size_t(cell)], hits);
+    for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
-        misses += !hits[size_t(i)];
-        store(&image.pixels[size_t(channels) * layout.pixel(cell, i, j)], x[size_t(i)], hits[size_t(i)]);
+        const glm::dvec2 x = (glm::dvec2(i, j) + 0.5 + kBeside) / double(side);
+        const auto hit = scene.tracer.intersectView(x, views[size_t(cell)]);
+        misses += !hit;
+        store(&image.pixels[size_t(channels) * layout.pixel(cell, i, j)], x, hit);
       }
-    }
     scene.counters.rays += uint64_t(side) * uint64_t(side);
     scene.counters.misses += misses;
   });

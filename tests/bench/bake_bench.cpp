@@ -6,7 +6,7 @@
 //            samples where neighbouring ones disagree, and rays from the surface towards the views
 //   bare     a loop of nothing but Embree over these rays, taken from every ninth view and written into arrays before the clock
 //            started, in the same order of blocks; on a scene of its own, 3 x 3 copies of the tile, with the bake's flags:
-//     streams   rtcIntersect1M for view rays, rtcOccluded1M for shadow rays, 64 at once: what the bake calls
+//     streams   rtcIntersect1M for view rays, rtcOccluded1M for shadow rays, 64 at once: what the bake calls, but for VDIM
 //     packets   rtcIntersect1 and rtcOccluded8
 //   share    bare seconds for the rays / seconds of the whole bake, images included
 //

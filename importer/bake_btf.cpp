@@ -72,19 +72,20 @@ void BtfBlock::findLights(const TileHit& hit, size_t sample) {
 }
 
 void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
-  const int size = scene_.manifest.size, per_side = scene_.manifest.supersample;
-  uint64_t misses = 0;
+  const int size = scene_.manifest.size, per_side = scene_.manifest.supersample, per_texel = per_side * per_side;
+  std::vector<glm::dvec2> x;
   for (int j = first.y; j < last.y; ++j)
     for (int i = first.x; i < last.x; ++i)
-      for (int k = 0; k < per_side * per_side; ++k) {
-        const glm::dvec2 x = (glm::dvec2(i, j) + samplePosition(k, per_side)) / double(size);
-        const auto hit = scene_.tracer.intersectView(x, wo_);
-        if (hit) add({i, j}, *hit, mixSeed(uint64_t(j) * uint64_t(size) + uint64_t(i), uint64_t(k)));
-        misses += !hit;
-      }
-  const uint64_t rays = uint64_t(last.x - first.x) * uint64_t(last.y - first.y) * uint64_t(per_side * per_side);
-  scene_.counters.rays += rays;
-  scene_.counters.misses += misses;
+      for (int k = 0; k < per_texel; ++k) x.push_back((glm::dvec2(i, j) + samplePosition(k, per_side)) / double(size));
+  std::vector<std::optional<TileHit>> hits(x.size());
+  scene_.tracer.intersectViews(x, wo_, hits);
+  scene_.counters.rays += x.size();
+  for (size_t k = 0; k < hits.size(); ++k) {
+    const int t = int(k) / per_texel;
+    const glm::ivec2 texel = first + glm::ivec2(t % (last.x - first.x), t / (last.x - first.x));
+    if (hits[k]) add(texel, *hits[k], mixSeed(uint64_t(texel.y) * uint64_t(size) + uint64_t(texel.x), k % size_t(per_texel)));
+    else ++scene_.counters.misses;
+  }
 }
 
 void BtfBlock::traceUnknownLights() {

@@ -22,7 +22,7 @@ constexpr double kLift = 1e-5;         // of ray origins off the surface, tile p
 constexpr double kOverlap = 1e-5;      // of two consecutive segments of a long ray, tile periods
 constexpr double kStartHeight = 1e-3;  // of view rays above z = 0, tile periods
 constexpr double kSlack = 1e-4;        // of the slab, so that surfaces in its planes are met; tile periods
-constexpr int kLanes = 8;              // rays in a packet
+constexpr size_t kStream = 64;         // rays that Embree is handed at once
 constexpr int kMaxSegments = 4096;     // of one ray; bounds nearly horizontal ones
 constexpr size_t kMaxCopies = 2'000'000;  // triangles in the scene, if the tile itself has fewer
 
@@ -55,14 +55,27 @@ double marginFor(size_t triangles) {
   return std::clamp((periods - 1) / 2, 0.1, 1.0);
 }
 
-RTCRay makeRay(const glm::dvec3& origin, const glm::dvec3& direction, double length) {
+RTCRay makeRay(const glm::vec3& origin, const glm::vec3& direction, float length) {
   RTCRay ray{};
-  ray.org_x = float(origin.x), ray.org_y = float(origin.y), ray.org_z = float(origin.z);
-  ray.dir_x = float(direction.x), ray.dir_y = float(direction.y), ray.dir_z = float(direction.z);
-  ray.tnear = 0;
-  ray.tfar = float(length);
+  ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
+  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+  ray.tfar = length;
   ray.mask = 0xFFFFFFFFu;
   return ray;
+}
+
+RTCRayHit makeRayHit(const glm::vec3& origin, const glm::vec3& direction, float length) {
+  RTCRayHit ray{};
+  ray.ray = makeRay(origin, direction, length);
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return ray;
+}
+
+RTCIntersectContext contextWith(RTCIntersectContextFlags flags) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  return context;
 }
 
 // Where the next segment of a long ray begins.
@@ -95,8 +108,9 @@ struct TileTracer::Impl {
   };
   std::optional<Segment> segment(const glm::dvec3& origin, const glm::dvec3& direction) const;
   bool blocked(glm::dvec3 origin, const glm::dvec3& direction) const;
-  void blockedPacket(const glm::vec3* origins, const size_t* index, int lanes, const glm::vec3& direction,
-                     std::span<uint8_t> blocked) const;
+  TileHit pointOn(uint32_t triangle, glm::dvec2 b) const;
+  // What the whole ray from origin has met within one of its segments.
+  TileHit hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin, const glm::dvec3& direction) const;
 };
 
 void TileTracer::Impl::build() {
@@ -172,9 +186,9 @@ TileTracer::~TileTracer() = default;
 TileTracer::TileTracer(TileTracer&&) noexcept = default;
 const Tile& TileTracer::tile() const { return impl_->tile; }
 double TileTracer::zMin() const { return impl_->z_min; }
+TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const { return impl_->pointOn(triangle, b); }
 
-TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const {
-  const Tile& tile = impl_->tile;
+TileHit TileTracer::Impl::pointOn(uint32_t triangle, glm::dvec2 b) const {
   const glm::uvec3 v = tile.triangles[triangle];
   const double w[3] = {1 - b.x - b.y, b.x, b.y};
   TileHit hit;
@@ -204,31 +218,30 @@ TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const {
   return hit;
 }
 
+TileHit TileTracer::Impl::hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin, const glm::dvec3& direction) const {
+  const Copy& copy = copies[met.primID];
+  TileHit hit = pointOn(copy.triangle, {met.u, met.v});
+  const glm::dvec2 shift(part.period + glm::ivec2(copy.shift_x, copy.shift_y));
+  hit.position += glm::dvec3(shift, 0);
+  hit.ray_origin += glm::dvec3(shift, 0);
+  hit.p += shift;
+  hit.t = glm::dot(hit.position - origin, direction) / glm::dot(direction, direction);
+  if (glm::dot(hit.geometric_normal, direction) > 0) {  // the back of the surface
+    hit.ray_origin = hit.position - kLift * hit.geometric_normal;
+    hit.geometric_normal = -hit.geometric_normal;
+  }
+  return hit;
+}
+
 std::optional<TileHit> TileTracer::intersect(const glm::dvec3& origin, const glm::dvec3& direction) const {
   glm::dvec3 start = origin;
   for (int k = 0; k < kMaxSegments; ++k) {
     const auto part = impl_->segment(start, direction);
     if (!part) return std::nullopt;
-    RTCRayHit ray{};
-    ray.ray = makeRay(part->origin, direction, part->length);
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    RTCRayHit ray = makeRayHit(part->origin, direction, float(part->length));
+    RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
     rtcIntersect1(impl_->scene, &context, &ray);
-    if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
-      const Impl::Copy& copy = impl_->copies[ray.hit.primID];
-      TileHit hit = pointOn(copy.triangle, {ray.hit.u, ray.hit.v});
-      const glm::dvec2 shift(part->period + glm::ivec2(copy.shift_x, copy.shift_y));
-      hit.position += glm::dvec3(shift, 0);
-      hit.ray_origin += glm::dvec3(shift, 0);
-      hit.p += shift;
-      hit.t = glm::dot(hit.position - origin, direction) / glm::dot(direction, direction);
-      if (glm::dot(hit.geometric_normal, direction) > 0) {  // the back of the surface
-        hit.ray_origin = hit.position - kLift * hit.geometric_normal;
-        hit.geometric_normal = -hit.geometric_normal;
-      }
-      return hit;
-    }
+    if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) return impl_->hitOf(ray.hit, *part, origin, direction);
     if (part->last) return std::nullopt;
     start = advance(start, direction, part->length);
   }
@@ -239,9 +252,8 @@ bool TileTracer::Impl::blocked(glm::dvec3 origin, const glm::dvec3& direction) c
   for (int k = 0; k < kMaxSegments; ++k) {
     const auto part = segment(origin, direction);
     if (!part) return false;
-    RTCRay ray = makeRay(part->origin, direction, part->length);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    RTCRay ray = makeRay(part->origin, direction, float(part->length));
+    RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
     rtcOccluded1(scene, &context, &ray);
     if (ray.tfar < 0) return true;
     if (part->last) return false;
@@ -254,56 +266,77 @@ bool TileTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction)
   return impl_->blocked(origin, direction);
 }
 
-// All rays of the packet end inside the covered box.
-void TileTracer::Impl::blockedPacket(const glm::vec3* origins, const size_t* index, int lanes, const glm::vec3& direction,
-                                     std::span<uint8_t> blocked) const {
-  RTCRay8 rays{};
-  alignas(32) int valid[kLanes];
-  for (int k = 0; k < kLanes; ++k) {
-    valid[k] = k < lanes ? -1 : 0;
-    rays.org_x[k] = origins[k].x, rays.org_y[k] = origins[k].y, rays.org_z[k] = origins[k].z;
-    rays.dir_x[k] = direction.x, rays.dir_y[k] = direction.y, rays.dir_z[k] = direction.z;
-    rays.tfar[k] = std::max(0.0f, (float(kSlack) - origins[k].z) / direction.z);  // negative would read as blocked
-    rays.mask[k] = 0xFFFFFFFFu;
-  }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;  // one direction, neighbouring origins
-  rtcOccluded8(valid, scene, &context, &rays);
-  for (int k = 0; k < lanes; ++k) blocked[index[k]] = rays.tfar[k] < 0;
-}
-
+// Rays that end inside the covered box go in streams. As incoherent ones, one direction or not: Embree then traverses ray
+// by ray with vectors over boxes and triangles, which took 1.5 to 1.9 times less time than packets of eight, with the
+// same bits.
 void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted, const glm::vec3& direction,
                           std::span<uint8_t> blocked) const {
   LODEN_CHECK_EQ(origins.size(), wanted.size());
   LODEN_CHECK_EQ(origins.size(), blocked.size());
-  const double travel = (kSlack - impl_->z_min) * glm::length(glm::vec2(direction)) / direction.z;
-  const bool one_segment = direction.z > 0 && travel < impl_->margin;
-  glm::vec3 start[kLanes];
-  size_t index[kLanes];
-  int lanes = 0;
+  const float low = float(-impl_->margin), high = float(1 + impl_->margin);
+  RTCRay rays[kStream];
+  size_t index[kStream], count = 0;
+  const auto trace = [&] {
+    RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    rtcOccluded1M(impl_->scene, &context, rays, static_cast<unsigned>(count), sizeof(RTCRay));
+    for (size_t k = 0; k < count; ++k) blocked[index[k]] = rays[k].tfar < 0;
+    count = 0;
+  };
   for (size_t i = 0; i < origins.size(); ++i) {
     blocked[i] = 1;
     if (!wanted[i]) continue;
-    if (!one_segment) {
+    const glm::vec3 start = origins[i] - glm::vec3(glm::floor(glm::vec2(origins[i])), 0);
+    const float length = std::max(0.0f, (float(kSlack) - start.z) / direction.z);  // negative would read as blocked
+    const glm::vec2 end = glm::vec2(start) + length * glm::vec2(direction);
+    if (direction.z <= 0 || std::min(end.x, end.y) < low || std::max(end.x, end.y) > high) {
       blocked[i] = impl_->blocked(glm::dvec3(origins[i]), glm::dvec3(direction));
       continue;
     }
-    start[lanes] = origins[i] - glm::vec3(glm::floor(glm::vec2(origins[i])), 0);
-    index[lanes++] = i;
-    if (lanes == kLanes) impl_->blockedPacket(start, index, lanes, direction, blocked), lanes = 0;
+    rays[count] = makeRay(start, direction, length);
+    index[count++] = i;
+    if (count == kStream) trace();
   }
-  if (lanes > 0) {
-    std::fill(start + lanes, start + kLanes, start[0]);
-    impl_->blockedPacket(start, index, lanes, direction, blocked);
-  }
+  if (count > 0) trace();
 }
 
+namespace {
+
+glm::dvec3 startOfView(glm::dvec2 x, const glm::dvec3& wo) { return glm::dvec3(x, 0) + kStartHeight / wo.z * wo; }
+
+}  // namespace
+
 std::optional<TileHit> TileTracer::intersectView(glm::dvec2 x, const glm::dvec3& wo) const {
-  const double back = kStartHeight / wo.z;
-  auto hit = intersect(glm::dvec3(x, 0) + back * wo, -wo);
-  if (hit) hit->t -= back;
+  auto hit = intersect(startOfView(x, wo), -wo);
+  if (hit) hit->t -= kStartHeight / wo.z;
   return hit;
+}
+
+// First segments in coherent streams, 1.4 times faster than ray by ray, and with the same bits but where a ray meets an edge; what they
+// leave goes ray by ray.
+void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo, std::span<std::optional<TileHit>> hits) const {
+  LODEN_CHECK_EQ(x.size(), hits.size());
+  RTCRayHit rays[kStream];
+  std::optional<Impl::Segment> parts[kStream];
+  for (size_t first = 0; first < x.size(); first += kStream) {
+    const size_t count = std::min(kStream, x.size() - first);
+    for (size_t k = 0; k < count; ++k) {
+      parts[k] = impl_->segment(startOfView(x[first + k], wo), -wo);
+      LODEN_CHECK(parts[k].has_value());
+      rays[k] = makeRayHit(parts[k]->origin, -wo, float(parts[k]->length));
+    }
+    RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    rtcIntersect1M(impl_->scene, &context, rays, static_cast<unsigned>(count), sizeof(RTCRayHit));
+    for (size_t k = 0; k < count; ++k) {
+      auto& hit = hits[first + k];
+      hit.reset();
+      if (rays[k].hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        if (!parts[k]->last) hit = intersectView(x[first + k], wo);
+        continue;
+      }
+      hit = impl_->hitOf(rays[k].hit, *parts[k], startOfView(x[first + k], wo), -wo);
+      hit->t -= kStartHeight / wo.z;
+    }
+  }
 }
 
 FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }

@@ -40,12 +40,14 @@ class TileTracer {
   std::optional<TileHit> intersect(const glm::dvec3& origin, const glm::dvec3& direction) const;
   // True if something stands between origin and the open sky (z = 0 plane) along direction, direction.z > 0.
   bool occluded(const glm::dvec3& origin, const glm::dvec3& direction) const;
-  // The same for many origins and one direction, in packets; blocked[i] = 1 where occluded, else 0. Only origins
+  // The same for many origins and one direction, in streams; blocked[i] = 1 where occluded, else 0. Only origins
   // with wanted[i] != 0 are traced, the others get 1.
   void occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted, const glm::vec3& direction,
                 std::span<uint8_t> blocked) const;
   // First hit of the view ray through x on the reference plane, coming from wo.
   std::optional<TileHit> intersectView(glm::dvec2 x, const glm::dvec3& wo) const;
+  // The same for many x, in streams: hits[i] of x[i].
+  void intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo, std::span<std::optional<TileHit>> hits) const;
 
  private:
   struct Impl;

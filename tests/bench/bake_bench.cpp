@@ -2,11 +2,13 @@
 //
 //   asked    the rays that BTF and Flat-BTF are defined by: one view ray per sample and view, and from every sample that
 //            a view sees one shadow ray to each light that it faces; for the Flat-BTF the latter once, for all views
-//   traced   the rays that the bake casts: shadows are found once per surface sample where neighbours agree
-//   bare     a loop of nothing but rtcIntersect1 (view rays) and rtcOccluded8 (shadow rays, packets of one light) over the
-//            asked rays of every ninth view, which were written into arrays before the clock started, in the same order
-//            of blocks; on a scene of its own, 3 x 3 copies of the tile, with the bake's flags
-//   share    bare seconds for as many rays / seconds of the whole bake, images included
+//   traced   the very rays that the bake casts: view rays of BTF and VDIM, shadow rays of the surface samples once, from BTF
+//            samples where neighbouring ones disagree, and rays from the surface towards the views
+//   bare     a loop of nothing but Embree over these rays, taken from every ninth view and written into arrays before the clock
+//            started, in the same order of blocks; on a scene of its own, 3 x 3 copies of the tile, with the bake's flags:
+//     streams   rtcIntersect1M for view rays, rtcOccluded1M for shadow rays, 64 at once: what the bake calls, but for VDIM
+//     packets   rtcIntersect1 and rtcOccluded8
+//   share    bare seconds for the rays / seconds of the whole bake, images included
 //
 // Usage: bench_bake [TILE [SIZE [SUPERSAMPLE]]]; default builtin:button 32 4, 81 x 81 directions.
 #include <embree3/rtcore.h>
@@ -19,6 +21,8 @@
 
 #include "importer/bake.h"
 #include "importer/bake_scene.h"
+#include "importer/surface_samples.h"
+#include "material/vdim.h"
 
 namespace loden::importer {
 namespace {
@@ -64,99 +68,162 @@ BareScene::BareScene(const Tile& tile) {
   rtcCommitScene(scene_);
 }
 
-struct Ray {
-  glm::vec3 origin, direction;
-  float length;
+struct Rays {
+  std::vector<RTCRayHit> views;
+  std::vector<RTCRay> shadows;
+  uint64_t count() const { return views.size() + shadows.size(); }
 };
 
-// The asked rays of one view: first hits, then, light by light within each block of samples, shadows.
-struct AskedRays {
-  std::vector<Ray> views;
-  std::vector<RTCRay8> shadows;
-  std::vector<int> lanes;  // of each packet
-  uint64_t count() const {
-    uint64_t n = views.size();
-    for (const int l : lanes) n += uint64_t(l);
-    return n;
-  }
-};
-
-void addShadows(AskedRays& rays, const std::vector<TileHit>& hits, const glm::dvec3& wi) {
-  int lane = 8;
-  for (const TileHit& hit : hits) {
-    if (glm::dot(hit.normal, wi) <= 0) continue;
-    if (lane == 8) rays.shadows.push_back({}), rays.lanes.push_back(0), lane = 0;
-    RTCRay8& packet = rays.shadows.back();
-    const glm::vec3 origin = glm::vec3(hit.ray_origin - glm::dvec3(glm::floor(glm::dvec2(hit.ray_origin)), 0)), d(wi);
-    packet.org_x[lane] = origin.x, packet.org_y[lane] = origin.y, packet.org_z[lane] = origin.z;
-    packet.dir_x[lane] = d.x, packet.dir_y[lane] = d.y, packet.dir_z[lane] = d.z;
-    packet.tfar[lane] = std::max(0.0f, (1e-4f - origin.z) / d.z);
-    packet.mask[lane] = 0xFFFFFFFFu;
-    rays.lanes.back() = ++lane;
-  }
+RTCRay rayOf(const glm::dvec3& origin, const glm::dvec3& direction, double length) {
+  const glm::vec3 o(origin - glm::dvec3(glm::floor(glm::dvec2(origin)), 0)), d(direction);
+  RTCRay ray{};
+  ray.org_x = o.x, ray.org_y = o.y, ray.org_z = o.z;
+  ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
+  ray.tfar = float(length);
+  ray.mask = 0xFFFFFFFFu;
+  return ray;
 }
 
-AskedRays askedRays(const TileTracer& tracer, const BakeManifest& m, int view) {
+RTCRay shadowRay(const glm::dvec3& origin, const glm::dvec3& direction) {
+  return rayOf(origin, direction, std::max(0.0, (1e-4 - origin.z) / direction.z));
+}
+
+RTCRayHit viewRay(const TileTracer& tracer, const glm::dvec2& x, const glm::dvec3& wo) {
+  RTCRayHit ray{};
+  ray.ray = rayOf(glm::dvec3(x, 0) + wo * (1e-3 / wo.z), -wo, (-tracer.zMin() + 2e-3) / wo.z);
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return ray;
+}
+
+// Of one view; shadow rays light by light within each block of samples.
+struct ViewRays {
+  Rays asked, traced;
+};
+
+ViewRays raysOf(const BakeScene& scene, const SurfaceSamples& surface, int view) {
   constexpr int kBlock = 8;  // texels per side
-  const glm::dvec3 wo = m.directions.samples[size_t(view)];
-  AskedRays rays;
+  const BakeManifest& m = scene.manifest;
+  const glm::dvec3 wo = scene.directions()[size_t(view)];
+  ViewRays rays;
   std::vector<TileHit> hits;
+  std::vector<uint64_t> known, lit(surface.words());  // known: [hit][word]
   for (int block = 0; block < m.size * m.size / (kBlock * kBlock); ++block) {
-    hits.clear();
+    hits.clear(), known.clear();
     const glm::ivec2 first = kBlock * glm::ivec2(block % (m.size / kBlock), block / (m.size / kBlock));
     for (int t = 0; t < kBlock * kBlock; ++t)
       for (int k = 0; k < m.supersample * m.supersample; ++k) {
         const glm::dvec2 x = (glm::dvec2(first + glm::ivec2(t % kBlock, t / kBlock)) + samplePosition(k, m.supersample)) / double(m.size);
-        const glm::dvec3 origin = glm::dvec3(x, 0) + wo * (1e-3 / wo.z);
-        rays.views.push_back({glm::vec3(origin), glm::vec3(-wo), float((-tracer.zMin() + 2e-3) / wo.z)});
-        if (const auto hit = tracer.intersectView(x, wo)) hits.push_back(*hit);
+        rays.asked.views.push_back(viewRay(scene.tracer, x, wo));
+        const auto hit = scene.tracer.intersectView(x, wo);
+        if (!hit) continue;
+        hits.push_back(*hit);
+        known.resize(known.size() + surface.words());
+        surface.lightsAt(*hit, &known[known.size() - surface.words()], lit.data());
       }
-    for (const glm::dvec3& wi : m.directions.samples) addShadows(rays, hits, wi);
+    for (size_t l = 0; l < scene.directions().size(); ++l)
+      for (size_t h = 0; h < hits.size(); ++h) {
+        if (glm::dot(hits[h].normal, scene.directions()[l]) <= 0) continue;
+        const RTCRay ray = shadowRay(hits[h].ray_origin, scene.directions()[l]);
+        rays.asked.shadows.push_back(ray);
+        if (!(known[h * surface.words() + l / 64] >> (l % 64) & 1)) rays.traced.shadows.push_back(ray);
+      }
   }
+  rays.traced.views = rays.asked.views;
+  for (size_t s = 0; s < surface.end(size_t(m.flat_size * m.flat_size - 1)); ++s)
+    if (glm::dot(surface[s].geometric_normal, glm::vec3(wo)) > 0) rays.traced.shadows.push_back(shadowRay(surface[s].origin, wo));
   return rays;
 }
 
-double bareSeconds(const BareScene& scene, AskedRays& rays) {
-  const FlushDenormals flush;
+// What the bake traces once, for all views.
+Rays commonRays(const BakeScene& scene, const SurfaceSamples& surface) {
+  const BakeManifest& m = scene.manifest;
+  Rays rays;
+  for (const glm::dvec3& wi : scene.directions())
+    for (size_t s = 0; s < surface.end(size_t(m.flat_size * m.flat_size - 1)); ++s)
+      if (glm::dot(surface[s].normal, glm::vec3(wi)) > 0) rays.shadows.push_back(shadowRay(surface[s].origin, wi));
+  for (const glm::ivec2& size : m.vdims)
+    for (int v = 0; v < size.x * size.y; ++v) {
+      const glm::dvec3 wo = directionFromSpherical({kThetaMax * (v / size.y) / (size.x - 1), 2 * kPi * (v % size.y) / (size.y - 1)});
+      for (int t = 0; t < m.size * m.size; ++t) rays.views.push_back(viewRay(scene.tracer, (glm::dvec2(t % m.size, t / m.size) + 0.5) / double(m.size), wo));
+    }
+  return rays;
+}
+
+double streamSeconds(const BareScene& scene, Rays rays) {
+  constexpr size_t kStream = 64;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  const double start = cpuSeconds();
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (size_t k = 0; k < rays.views.size(); k += kStream)
+    rtcIntersect1M(scene.get(), &context, &rays.views[k], unsigned(std::min(kStream, rays.views.size() - k)), sizeof(RTCRayHit));
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  for (size_t k = 0; k < rays.shadows.size(); k += kStream)
+    rtcOccluded1M(scene.get(), &context, &rays.shadows[k], unsigned(std::min(kStream, rays.shadows.size() - k)), sizeof(RTCRay));
+  return cpuSeconds() - start;
+}
+
+std::vector<RTCRay8> packetsOf(const std::vector<RTCRay>& rays) {
+  std::vector<RTCRay8> packets((rays.size() + 7) / 8);
+  for (size_t k = 0; k < 8 * packets.size(); ++k) {
+    const RTCRay& ray = rays[std::min(k, rays.size() - 1)];
+    RTCRay8& packet = packets[k / 8];
+    const size_t lane = k % 8;
+    packet.org_x[lane] = ray.org_x, packet.org_y[lane] = ray.org_y, packet.org_z[lane] = ray.org_z;
+    packet.dir_x[lane] = ray.dir_x, packet.dir_y[lane] = ray.dir_y, packet.dir_z[lane] = ray.dir_z;
+    packet.tfar[lane] = ray.tfar, packet.mask[lane] = ray.mask;
+  }
+  return packets;
+}
+
+double packetSeconds(const BareScene& scene, Rays rays) {
+  alignas(32) const int valid[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
+  std::vector<RTCRay8> packets = packetsOf(rays.shadows);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   const double start = cpuSeconds();
-  for (const Ray& ray : rays.views) {
-    RTCRayHit hit{};
-    hit.ray.org_x = ray.origin.x, hit.ray.org_y = ray.origin.y, hit.ray.org_z = ray.origin.z;
-    hit.ray.dir_x = ray.direction.x, hit.ray.dir_y = ray.direction.y, hit.ray.dir_z = ray.direction.z;
-    hit.ray.tfar = ray.length, hit.ray.mask = 0xFFFFFFFFu;
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene.get(), &context, &hit);
-  }
-  for (size_t p = 0; p < rays.shadows.size(); ++p) {
-    alignas(32) int valid[8];
-    for (int lane = 0; lane < 8; ++lane) valid[lane] = lane < rays.lanes[p] ? -1 : 0;
-    rtcOccluded8(valid, scene.get(), &context, &rays.shadows[p]);
-  }
+  for (RTCRayHit& ray : rays.views) rtcIntersect1(scene.get(), &context, &ray);
+  for (RTCRay8& packet : packets) rtcOccluded8(valid, scene.get(), &context, &packet);
   return cpuSeconds() - start;
 }
+
+// Rays, and what the two loops take for them.
+struct Bare {
+  double rays = 0, streams = 0, packets = 0;  // the latter in seconds
+  void add(const BareScene& scene, const Rays& more, double times) {
+    const FlushDenormals flush;
+    rays += times * double(more.count());
+    streams += times * streamSeconds(scene, more), packets += times * packetSeconds(scene, more);
+  }
+  void print(const char* name, double bake_seconds) const {
+    std::printf("%-7s %8.1f M rays; streams %6.2f Mray/s, share %5.1f %%; packets %6.2f Mray/s, share %5.1f %%\n", name, rays / 1e6, rays / streams / 1e6,
+                100 * streams / bake_seconds, rays / packets / 1e6, 100 * packets / bake_seconds);
+  }
+};
 
 int run(const std::string& name, int size, int supersample) {
   constexpr int kEvery = 9;
   const auto tile = loadTile(name);
   if (!tile) fail(tile.issue());
-  BakeManifest m;
-  m.size = size, m.supersample = supersample, m.directions = bonn81Directions();
-  const TileTracer tracer(*tile);
-  const BareScene scene(*tile);
-  double bare = 0;
-  uint64_t bare_rays = 0;
-  for (int view = 0; view < m.directions.size(); view += kEvery) {
-    AskedRays rays = askedRays(tracer, m, view);
-    bare_rays += rays.count();
-    bare += bareSeconds(scene, rays);
-  }
-  const double rate = double(bare_rays) / bare;
   BakeOptions options;
-  options.size = size, options.supersample = supersample, options.directions = m.directions;
+  options.size = size, options.supersample = supersample, options.directions = bonn81Directions();
   options.threads = 1, options.quiet = true;
+  BakeManifest m;
+  m.size = m.flat_size = size, m.supersample = supersample, m.directions = options.directions, m.vdims = options.vdims;
+  Bare asked, traced;
+  {
+    const TileTracer tracer(*tile);
+    BakeCounters counters;
+    const BakeScene scene{tracer, m, counters};
+    const SurfaceSamples surface(scene);
+    const BareScene bare(*tile);
+    for (int view = 0; view < m.directions.size(); view += kEvery) {
+      const ViewRays rays = raysOf(scene, surface, view);
+      asked.add(bare, rays.asked, kEvery), traced.add(bare, rays.traced, kEvery);
+    }
+    traced.add(bare, commonRays(scene, surface), 1);
+  }
   const fs::path folder = fs::temp_directory_path() / "loden_bench_bake";
   fs::remove_all(folder);
   const double start = cpuSeconds();
@@ -164,12 +231,10 @@ int run(const std::string& name, int size, int supersample) {
   const double seconds = cpuSeconds() - start;
   fs::remove_all(folder);
   if (!report) fail(report.issue());
-  const double asked = double(bare_rays) * kEvery;  // of the BTF alone
   std::printf("# bench_bake: %s, %d x %d texels, %d x %d samples, 81 x 81 directions; definitions in bake_bench.cpp\n", name.c_str(), size, size, supersample, supersample);
-  std::printf("bare Embree loop         %10.2f Mray/s\n", rate / 1e6);
-  std::printf("bake, all maps           %10.2f s of processor time\n", seconds);
-  std::printf("rays asked by the BTF    %10.1f M, share %5.1f %%\n", asked / 1e6, 100 * asked / rate / seconds);
-  std::printf("rays traced              %10.1f M, share %5.1f %%\n", double(report->rays) / 1e6, 100 * double(report->rays) / rate / seconds);
+  std::printf("bake    %8.1f M rays; all maps and files %6.2f s of processor time\n", double(report->rays) / 1e6, seconds);
+  asked.print("asked", seconds);
+  traced.print("traced", seconds);
   return 0;
 }
 

@@ -439,7 +439,24 @@ TEST(TileTracer, FindsTheHeightFieldFromAnyPeriodAndAngle) {
   }
 }
 
-TEST(TileTracer, PacketsAgreeWithSingleRays) {
+TEST(TileTracer, StreamsOfViewRaysAgreeWithSingleOnes) {
+  const TileTracer tracer(groovedTile());
+  std::vector<glm::dvec2> x;
+  for (int k = 0; k < 301; ++k) x.emplace_back(20 * uniform(6, 2 * k) - 10, 20 * uniform(6, 2 * k + 1) - 10);
+  std::vector<std::optional<TileHit>> hits(x.size());
+  for (const double theta : {0.0, 0.7, 1.4, 1.567}) {  // the last leaves the scene's box
+    const glm::dvec3 wo = directionFromSpherical({theta, 0.3});
+    tracer.intersectViews(x, wo, hits);
+    for (size_t k = 0; k < x.size(); ++k) {
+      const auto single = tracer.intersectView(x[k], wo);
+      ASSERT_TRUE(hits[k] && single) << theta << ' ' << k;
+      EXPECT_LT(glm::distance(hits[k]->position, single->position), 1e-7) << theta;  // either triangle beside an edge
+      EXPECT_NEAR(hits[k]->t, single->t, 1e-7 / wo.z);
+    }
+  }
+}
+
+TEST(TileTracer, StreamsOfShadowRaysAgreeWithSingleOnes) {
   const TileTracer tracer(groovedTile());
   std::vector<glm::vec3> origins;
   std::vector<uint8_t> wanted;

@@ -321,8 +321,7 @@ void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3&
     const size_t count = std::min(kStream, x.size() - first);
     for (size_t k = 0; k < count; ++k) {
       parts[k] = impl_->segment(startOfView(x[first + k], wo), -wo);
-      LODEN_CHECK(parts[k].has_value());
-      rays[k] = makeRayHit(parts[k]->origin, -wo, float(parts[k]->length));
+      rays[k] = parts[k] ? makeRayHit(parts[k]->origin, -wo, float(parts[k]->length)) : makeRayHit({}, -wo, -1.0f);  // never active
     }
     RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     rtcIntersect1M(impl_->scene, &context, rays, static_cast<unsigned>(count), sizeof(RTCRayHit));
@@ -330,7 +329,7 @@ void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3&
       auto& hit = hits[first + k];
       hit.reset();
       if (rays[k].hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-        if (!parts[k]->last) hit = intersectView(x[first + k], wo);
+        if (parts[k] && !parts[k]->last) hit = intersectView(x[first + k], wo);
         continue;
       }
       hit = impl_->hitOf(rays[k].hit, *parts[k], startOfView(x[first + k], wo), -wo);

@@ -43,10 +43,10 @@ Status checkOptions(const BakeOptions& o) {
   return {};
 }
 
-// Charts need a gutter of two texels in every map, so that no filter mixes them and no texel is overlapped by two.
+// Charts need a gutter of nearly two texels in every map, so that no filter mixes them and no texel is overlapped by two.
 Status checkGutters(const Tile& tile, const BakeManifest& m) {
   if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
-  const double gutter = gutterOf(tile) + 1.0 / 256;  // gutterOf rounds down
+  const double gutter = gutterOf(tile) + 1.0 / 256;  // half of what gutterOf may have cut off
   const int needed = static_cast<int>(std::ceil(2 / gutter));
   for (const auto& [option, side] : {std::pair{"--size", m.size}, {"--flat-size", m.flat_size}, {"--geometry-size", m.geometry_size}})
     if (side < needed)

@@ -196,8 +196,8 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
   for (const auto& located : points.located)
     for (size_t t = 0; t < texels; ++t)
       if (const ParamSample& at = located[t]; at.covered()) add(t, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)));
-  // Also where the surface overlaps a texel between the samples: a border is near, and the values are of its nearest
-  // point.
+  // Also where the surface overlaps a texel between the samples: a border is near, and the reflectance is of its nearest
+  // point, the normal continued from there.
   const auto beyond = extendParams(scene.tracer.tile(), side, kFilterReach);
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] == 0 && beyond[t].exists()) add(t, continuedPoint(scene.tracer, beyond[t]));

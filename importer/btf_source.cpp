@@ -89,16 +89,20 @@ Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked) {
   return repairs ? repairedSource(std::move(source), std::move(repairs)) : std::move(source);
 }
 
-Status prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path) {
+Result<Lookup> prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path) {
   const Material& material = evaluator.material();
-  const auto missing = [&](const std::string& what) {
-    return Issue{issue_id::kOption, Severity::kError, path.string(), "cannot be looked up by --lookup " + std::string(lookupName(lookup)) + ": the asset has no " + what};
+  if (material.mode == Mode::kLod || lookup == Lookup::kNone) return Lookup::kNone;
+  const auto refuse = [&](const std::string& why) {
+    return Issue{issue_id::kOption, Severity::kError, path.string(), "cannot be looked up by --lookup " + std::string(lookupName(lookup)) + ": " + why};
   };
-  if (lookup == Lookup::kPaper && !material.stored_vdim) return missing("published indirection map; cook the bake with --mode surface --preset seed");
-  const bool searches = lookup == Lookup::kFast || lookup == Lookup::kQuality;
-  if (searches && material.geometry.empty()) return missing("geometry image; only bakes with --maps surface give one, and --mode lod stores none");
+  const bool has_atlas = !evaluator.atlas().depth.empty();
+  if (lookup == Lookup::kPaper && !material.stored_vdim) return refuse("the asset has no published indirection map; cook the bake with --mode surface --preset seed");
+  if (lookup == Lookup::kDefault && !has_atlas) return material.stored_vdim ? Lookup::kPaper : Lookup::kNone;
+  if (lookup != Lookup::kPaper && !has_atlas) return refuse("the asset has no geometry image; bake with --maps surface and cook again");
+  if (lookup == Lookup::kQuality && material.geometry.side() > kMostCubicSide)
+    return refuse("its geometry image has more than " + std::to_string(kMostCubicSide) + " texels a side; bake with a smaller --geometry-size");
   if (lookup == Lookup::kQuality) evaluator.prepareQuality();
-  return {};
+  return lookup;
 }
 
 std::unique_ptr<BtfSource> materialSource(const Evaluator& evaluator, MaterialSampling sampling) {

@@ -29,9 +29,10 @@ class BtfSource {
 // The BTF of a bake. It must have one. Repaired if the bake has a log of repairs.
 Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked);
 
-// Makes the evaluator of the asset at `path` ready for a lookup that was asked for by name. Issues: kOption where the asset
-// has not got what it reads.
-Status prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path);
+// Makes the evaluator of the asset at `path` ready for a lookup that was asked for by name, and returns the one that it will
+// serve: as in the runtime, kPaper for kDefault where there is only the published map. Mode lod has no parallax to look
+// up. Issues: kOption where the asset has not got what the lookup reads.
+Result<Lookup> prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path);
 
 // A material at the centres of `side` x `side` texels. The evaluator must outlive it.
 struct MaterialSampling {

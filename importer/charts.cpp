@@ -177,7 +177,7 @@ namespace {
 int freeBetweenCharts(int side, std::vector<uint16_t> labels) {
   for (int rings = 0; 2 * rings < side; ++rings) {
     const std::vector<uint16_t> before = labels;
-    bool in_one_cell = false;
+    bool in_one_cell = false, grew = false;
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
         uint16_t& mine = labels[size_t(j) * size_t(side) + size_t(i)];
@@ -187,10 +187,11 @@ int freeBetweenCharts(int side, std::vector<uint16_t> labels) {
           if (theirs == 0 || theirs == mine) continue;
           if (taken) return 2 * rings;
           in_one_cell = in_one_cell || mine != 0;
-          mine = theirs;
+          mine = theirs, grew = true;
         }
       }
     if (in_one_cell) return 2 * rings + 1;
+    if (!grew) break;
   }
   return side;
 }

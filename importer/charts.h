@@ -29,7 +29,8 @@ double packCharts(Tile& tile);
 
 // Side of the largest square, in periods, that never overlaps two charts (texels, and what a linear filter reads, are
 // squares), nor, where they lie along x or y, a chart and its own repetition; 1 if there is one chart that meets itself
-// everywhere. Counted in cells of 1/256 that no triangle overlaps: never too much, and less than two cells too little.
+// everywhere. Counted in cells of 1/256 that no triangle overlaps: less than two cells too little, and never too much of charts that
+// are the nearest to the centre of some cell.
 double gutterOf(const Tile& tile);
 
 // Who a texel of a map over p belongs to: the chart that covers it, or in gutters the nearest one. labels: chart

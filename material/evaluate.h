@@ -49,7 +49,8 @@ class Evaluator {
   // Builds what Lookup::kQuality reads; a material with geometry needs it for that.
   void prepareQuality();
 
-  // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0.
+  // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0. p is x, without a fetch, where nothing
+  // that shows at lambda is read at p.
   template <class T>
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
                  Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;

@@ -77,7 +77,6 @@ SurfacePoint<T> surfaceAt(const GeometryImage& image, glm::vec<2, T> p) {
   const Patch<T> patch = fetchPatch<T>(image, static_cast<int>(base.x), static_cast<int>(base.y));
   SurfacePoint<T> point;
   point.chart = patch.chart;
-  if (patch.chart == 0) return point;
   point.position = glm::mix(glm::mix(patch.p00, patch.p10, f.x), glm::mix(patch.p01, patch.p11, f.x), f.y);
   const auto du = glm::mix(patch.p10 - patch.p00, patch.p11 - patch.p01, f.y);
   const auto dv = glm::mix(patch.p01 - patch.p00, patch.p11 - patch.p10, f.x);

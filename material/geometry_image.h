@@ -49,10 +49,11 @@ inline int wrapIndex(int i, int n) {
 template <class T>
 Patch<T> fetchPatch(const GeometryImage& image, int i, int j);
 
-// Position and unit normal (facing up where it can) at p. Chart 0 if p lies on no patch.
+// Position and unit normal (facing up where it can) at p. Chart 0 if p lies on no patch; then they are those between the
+// texels around it all the same, which lead to the charts beside.
 template <class T>
 struct SurfacePoint {
-  glm::vec<3, T> position, normal;
+  glm::vec<3, T> position{0}, normal{0, 0, 1};
   uint32_t chart = 0;
 };
 template <class T>
@@ -69,13 +70,15 @@ struct TraceHit {
 enum class Interpolation {
   kBilinear,  // what the runtime sees; each patch is two triangles
   kCubic,     // smooth, and nearer to the tile: .04 to .06 texels off where triangles are .10 to .11 (`loden study
-              // vdim-interpolation`); up to 32 triangles a patch, in .3 kB each
+              // vdim-interpolation`). 32 triangles a patch, 60 MB for 128 x 128 texels; 8 of images with over 512 texels a side
 };
+inline constexpr int kMostCubicSide = 1024;  // texels; what larger images would take is out of proportion
 
 // Exact first hits against the geometry image, periodic, by marching a grid of cells with height bounds. Thread safe
 // after construction.
 class GeometryTracer {
  public:
+  // kCubic: image.side() <= kMostCubicSide.
   explicit GeometryTracer(const GeometryImage& image, Interpolation between = Interpolation::kBilinear);
   ~GeometryTracer();
   GeometryTracer(GeometryTracer&&) noexcept;

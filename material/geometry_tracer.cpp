@@ -53,25 +53,37 @@ constexpr double kTear = 0.5;
 
 bool torn(const glm::dvec3& edge) { return !(std::max(std::abs(edge.x), std::abs(edge.y)) < kTear); }
 
+uint32_t chartAt(const GeometryImage& image, int i, int j) {
+  const auto* texels = reinterpret_cast<const uint16_t*>(image.texels.data.data());
+  const int n = image.side();
+  return texels[4 * (static_cast<size_t>(wrapIndex(j, n)) * static_cast<size_t>(n) + static_cast<size_t>(wrapIndex(i, n))) + 3];
+}
+
 // The surface over a patch, by (a, b) in [0,1]^2, as the cubic through the sixteen texels around it (Catmull and Rom
-// 1974). At its corners it is the texels.
+// 1974). At its corners it is the texels. Texels of another chart, or beyond a tear, are replaced by those that would go on
+// straight, along the row or the column: so an edge is made of the four texels along it alone, and neighbours agree on it.
 class CubicPatch {
  public:
   CubicPatch(const GeometryImage& image, int i, int j) : z_min_(image.zMin()) {
-    const uint32_t chart = fetchPatch<double>(image, i, j).chart;
     for (int b = 0; b < 4; b += 2)
       for (int a = 0; a < 4; a += 2) {
         const Patch<double> quarter = fetchPatch<double>(image, i - 1 + a, j - 1 + b);
-        whole_ = whole_ && quarter.chart == chart;
         texels_[b][a] = quarter.p00, texels_[b][a + 1] = quarter.p10;
         texels_[b + 1][a] = quarter.p01, texels_[b + 1][a + 1] = quarter.p11;
       }
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column) whole_ = whole_ && !torn(texels_[row][column] - texels_[1][1]);
+    const uint32_t chart = chartAt(image, i, j);
+    const auto apart = [&](int row, int column) {
+      return chartAt(image, i - 1 + column, j - 1 + row) != chart || torn(texels_[row][column] - texels_[row == 3 ? 2 : 1][column == 3 ? 2 : 1]);
+    };
+    const auto extend = [&](int row, int column, const glm::dvec3& next, const glm::dvec3& second) {
+      if (apart(row, column)) texels_[row][column] = 2.0 * next - second;
+    };
+    for (int k = 1; k <= 2; ++k) {
+      extend(k, 0, texels_[k][1], texels_[k][2]), extend(k, 3, texels_[k][2], texels_[k][1]);
+      extend(0, k, texels_[1][k], texels_[2][k]), extend(3, k, texels_[2][k], texels_[1][k]);
+    }
+    for (const int row : {0, 3}) extend(row, 0, texels_[row][1], texels_[row][2]), extend(row, 3, texels_[row][2], texels_[row][1]);
   }
-
-  // Whether all texels that it goes through are of the patch's chart.
-  bool whole() const { return whole_; }
 
   glm::dvec3 at(double a, double b) const {
     const Weights wa = weights(a), wb = weights(b);
@@ -88,14 +100,14 @@ class CubicPatch {
   }
 
   double z_min_;
-  bool whole_ = true;
   glm::dvec3 texels_[4][4];
 };
 
-// Per side of a cubic patch: few enough that the triangles of large images fit into memory.
+// Pieces per side of a patch.
 int piecesOf(const GeometryImage& image, Interpolation between) {
-  constexpr int kMostPieces = 4, kMostAcross = 1024;  // of a patch, of the image
-  return between == Interpolation::kBilinear ? 1 : std::clamp(kMostAcross / std::max(image.side(), 1), 1, kMostPieces);
+  if (between == Interpolation::kBilinear) return 1;
+  LODEN_CHECK_LE(image.side(), kMostCubicSide);
+  return image.side() <= kMostCubicSide / 2 ? 4 : 2;
 }
 
 }  // namespace
@@ -130,13 +142,9 @@ struct GeometryTracer::Impl {
       for (int i = 0; i < n; ++i) {
         const Patch<double> patch = fetchPatch<double>(image, i, j);
         if (patch.chart == 0) continue;
-        if (pieces > 1) {
-          if (const CubicPatch cubic(image, i, j); cubic.whole()) {
-            addPieces(cubic, {i, j}, pieces, n);
-            continue;
-          }
-        }
-        addQuad(patch.p00, patch.p10, patch.p01, patch.p11, {i, j}, 1.0, n);
+        const bool whole = !torn(patch.p10 - patch.p00) && !torn(patch.p01 - patch.p00) && !torn(patch.p11 - patch.p00);
+        if (pieces > 1 && whole) addPieces(CubicPatch(image, i, j), {i, j}, pieces, n);
+        else addQuad(patch.p00, patch.p10, patch.p01, patch.p11, {i, j}, 1.0, n);
       }
   }
 

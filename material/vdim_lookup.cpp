@@ -25,11 +25,11 @@ constexpr float kStraight = 0.2f;             // share by which a ray's descent 
 constexpr float kLeastDescent = 0.02f;        // of the straight line that stands for a ray where it turns
 constexpr float kShallow = 0.5f;              // of the depth range: rays that turn below it are not taken to leave again
 
-struct TierLimits {
+struct SearchLimits {
   int layers;
   int candidates;
 };
-TierLimits tierLimits(Lookup lookup) {
+SearchLimits searchLimits(Lookup lookup) {
   if (lookup == Lookup::kFast) return {1, 5};
   return {3, 16};
 }
@@ -291,7 +291,7 @@ VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, 
   const ViewRay<T> ray = viewRay(surface, x, wo);
   const T range = T(atlas.geometry.range.z);
   const RayPath<T> path = rayPath(ray, range);
-  const TierLimits limits = tierLimits(lookup);
+  const SearchLimits limits = searchLimits(lookup);
   VdimHit<T> hit;
   T nearest = T(1e9);
   const auto search = [&](T h, bool patient) {
@@ -353,7 +353,7 @@ VdimHit<T> paperLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3
   const V2 base = glm::floor(x);
   const V2 texel = glm::min(glm::floor((x - base) * T(vdim.side)), V2(T(vdim.side) - 1));
   const V2 reference = V2(nearestRepeat(vdim.reference, 0, 0, V2((texel + T(0.5)) / T(vdim.side)))) * T(vdim.range.x);
-  // Not by acos, which GPUs have to 1e-4: the map jumps by whole periods from one view to the next.
+  // Not by acos, which GPUs compute to 1e-4 only: entries of neighbouring views may be whole periods apart.
   const T theta = std::min(std::atan2(std::sqrt(wo.x * wo.x + wo.y * wo.y), wo.z), T(kThetaMax));
   T phi = wo.x == 0 && wo.y == 0 ? T(0) : std::atan2(wo.y, wo.x);
   if (phi < 0) phi += T(2 * kPi);

@@ -29,7 +29,7 @@ struct MaterialSystemOptions {
   uint64_t upload_bytes_per_frame = 256u << 10;  // at least one row of texels goes up per frame
   float fade_levels_per_second = 4;             // of detail that arrives in view, and a fifteenth of a level per frame
   float release_seconds = 3;                    // what nobody has demanded for longer goes even where there is room
-  Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM; kQuality is not for shaders
+  Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM; kQuality is drawn as kDefault
   // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with a small one.
   std::optional<VdimAtlasSize> atlas_size = {};
   int first_unit = 0;                           // texture unit that a material's begin at; what lies below stays the engine's

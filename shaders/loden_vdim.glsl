@@ -364,7 +364,7 @@ vec2 loden_paper_vdim_lookup(vec2 x, vec3 wo) {
   LODEN_COUNT(LODEN_UNIT_PAPER_REFERENCE, 1);
   LODEN_COUNT(LODEN_UNIT_PAPER_PACKED, 1);
   vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper_range.x;
-  // Not by acos, which GPUs have to 1e-4: the map jumps by whole periods from one view to the next.
+  // Not by acos, which GPUs compute to 1e-4 only: entries of neighbouring views may be whole periods apart.
   float theta = min(atan(sqrt(wo.x * wo.x + wo.y * wo.y), wo.z), 85.0 * LODEN_PI / 180.0);
   float phi = wo.x == 0.0 && wo.y == 0.0 ? 0.0 : atan(wo.y, wo.x);
   phi = phi < 0.0 ? phi + 2.0 * LODEN_PI : phi;

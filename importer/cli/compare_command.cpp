@@ -137,10 +137,10 @@ class CompareCommand : public Command {
     if (!material) return material.issue();
     loaded.material = std::move(*material);
     loaded.evaluator.emplace(*loaded.material, globals.threads);
-    const Lookup lookup = lookupNamed(lookup_).value();
-    if (const Status status = prepareLookup(*loaded.evaluator, lookup, path); !status) return status.issue();
+    const auto lookup = prepareLookup(*loaded.evaluator, lookupNamed(lookup_).value(), path);
+    if (!lookup) return lookup.issue();
     const double lambda = side > 0 ? compare_.level : 0;  // the reference is averaged from full resolution
-    loaded.source = materialSource(*loaded.evaluator, {side, lambda, lookup, Domain::kReference, directions, directions});
+    loaded.source = materialSource(*loaded.evaluator, {side, lambda, *lookup, Domain::kReference, directions, directions});
     return {};
   }
 

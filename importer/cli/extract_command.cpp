@@ -135,11 +135,11 @@ class ExtractCommand : public Command {
     const auto material = readAsset(input_);
     if (!material) return material.issue();
     Evaluator evaluator(*material, globals.threads);
-    const Lookup lookup = lookupNamed(lookup_).value();
-    if (const Status status = prepareLookup(evaluator, lookup, input_); !status) return status.issue();
+    const auto lookup = prepareLookup(evaluator, lookupNamed(lookup_).value(), input_);
+    if (!lookup) return lookup.issue();
     const int side = side_ > 0 ? side_ : std::max(1, material->side >> std::min(31, static_cast<int>(lambda_)));
-    const MaterialSampling sampling{side, lambda_, lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
-    report_ = {{"input", input_.string()}, {"kind", "decoded"}, {"domain", domain_}, {"lambda", lambda_}};
+    const MaterialSampling sampling{side, lambda_, *lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
+    report_ = {{"input", input_.string()}, {"kind", "decoded"}, {"domain", domain_}, {"lambda", lambda_}, {"lookup", std::string(lookupName(*lookup))}};
     reportDirection("light", light);
     reportDirection("view", view);
     return pictureFromSlice(materialSlice(evaluator, sampling, light, view), glm::ivec2(side));

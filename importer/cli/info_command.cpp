@@ -131,9 +131,9 @@ std::string cookedText(const std::string& meta_text) {
       text += formatted("RMSE at the sampled directions: Y %.4f, Cb %.4f, Cr %.4f\n", error->at("y").at("rmse").get<double>(),
                         error->at("cb").at("rmse").get<double>(), error->at("cr").at("rmse").get<double>());
     if (const auto lookup = meta.find("lookup"); lookup != meta.end()) {
-      for (const char* tier : {"fast", "default"})
-        text += formatted("lookup %-8s mean error %.3f texels, %.1f %% over one, %.1f fetches\n", tier, lookup->at(tier).at("mean_texels").get<double>(),
-                          100 * lookup->at(tier).at("over_1_texel").get<double>(), lookup->at(tier).at("fetches").get<double>());
+      for (const char* name : {"fast", "default"})
+        text += formatted("lookup %-8s mean error %.3f texels, %.1f %% over one, %.1f fetches\n", name, lookup->at(name).at("mean_texels").get<double>(),
+                          100 * lookup->at(name).at("over_1_texel").get<double>(), lookup->at(name).at("fetches").get<double>());
       for (const Json& trial : lookup->value("tried", Json::array()))
         text += formatted("  tried %2d x %-2d texels, %2d x %-2d directions: mean %.3f, %.1f %% over one%s\n", trial.at("texels").get<int>(), trial.at("texels").get<int>(),
                           trial.at("directions").get<int>(), trial.at("directions").get<int>(), trial.at("mean_texels").get<double>(), 100 * trial.at("over_1_texel").get<double>(),

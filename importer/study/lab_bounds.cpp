@@ -178,7 +178,7 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
     const IndirectionLookup& find;
     bool all;  // numbers of components
   };
-  for (const Way& way : {Way{"quality", traced, false}, Way{"default", by_default, true}}) {
+  for (const Way& way : {Way{"triangles", traced, false}, Way{"default", by_default, true}}) {
     if (const Status s = addFlatBtf(to, options, way.name, views, way.find); !s) return s;
     const Indirection a = makeIndirection(btf.side(), btf.side(), views, way.find, options.threads);
     for (const int k : kComponents)

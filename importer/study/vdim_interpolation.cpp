@@ -3,7 +3,8 @@
 // Views are random, uniform in solid angle up to 85 degrees; points x are random, uniform over the tile, and do not
 // fall on texel centres or mesh vertices. The truth is the first hit of the view ray with the tile's own mesh.
 // Both parameters are mapped back to the tile's surface; the error is the distance of the two points' (x, y), in
-// reference texels, to the nearest periodic copy. Rays that miss the mesh are counted and left out. Pictures are of the
+// reference texels, to the nearest periodic copy; a parameter in a gutter counts as the point between the texels around it. Rays
+// that miss the mesh are counted and left out. Pictures are of the
 // published maps and of the cooker's choice. On height fields a cone map is measured beside the lookups.
 #include <algorithm>
 #include <cmath>

@@ -248,19 +248,23 @@ TEST(Extract, DecodedSlice_ResemblesTheTrueOne) {
   EXPECT_EQ(loden({"compare", scratch / "true.exr", scratch / "wrong.exr", "--fail", limit, "-q"}).exit_code, 7);
 }
 
-// One asset that has all that lookups read, and one that has none of it.
+// An asset that has all that lookups read, one without the published map, and one that has nothing to look up.
 TEST(Extract, EveryLookup_IsTakenOrSaysWhatItNeeds) {
   const ScratchFolder scratch;
-  const std::string all = scratch / "all.loden", lod = scratch / "lod.loden", slice = scratch / "slice.exr";
+  const std::string all = scratch / "all.loden", game = scratch / "game.loden", lod = scratch / "lod.loden", slice = scratch / "slice.exr";
   ASSERT_EQ(loden({"cook", sharedBake(), "-o", all, "--mode", "surface", "--preset", "seed", "-q"}).exit_code, 0);
+  ASSERT_EQ(loden({"cook", sharedBake(), "-o", game, "--mode", "surface", "-q"}).exit_code, 0);
   ASSERT_EQ(loden({"cook", sharedBake(), "-o", lod, "--mode", "lod", "-q"}).exit_code, 0);
   for (const char* lookup : {"none", "paper", "fast", "default", "quality"}) {
     EXPECT_EQ(loden({"extract", all, "--view", "40,30", "--lookup", lookup, "-o", slice}).exit_code, 0) << lookup;
+    EXPECT_EQ(loden({"extract", lod, "--view", "40,30", "--lookup", lookup, "-o", slice}).exit_code, 0) << lookup;
     std::filesystem::remove(slice);
-    const bool needs = lookup == std::string("paper") || lookup == std::string("fast") || lookup == std::string("quality");
-    const ToolRun run = loden({"extract", lod, "--lookup", lookup, "-o", slice});
-    EXPECT_EQ(run.exit_code, needs ? 1 : 0) << lookup;
-    EXPECT_EQ(run.err.find(lod + ": cannot be looked up by --lookup") != std::string::npos, needs) << run.err;
+    const bool needs = lookup == std::string("paper");
+    const ToolRun run = loden({"extract", game, "--lookup", lookup, "-o", slice}), compared = loden({"compare", all, game, "--lookup", lookup, "--every", "27", "-q"});
+    for (const ToolRun* r : {&run, &compared}) {
+      EXPECT_EQ(r->exit_code, needs ? 1 : 0) << lookup;
+      EXPECT_EQ(r->err.find(game + ": cannot be looked up by --lookup paper") != std::string::npos, needs) << r->err;
+    }
     EXPECT_EQ(std::filesystem::exists(slice), !needs) << lookup;
   }
 }

@@ -165,6 +165,39 @@ TEST(GeometryTracer, CubicDoesNotReachAcrossCharts) {
   EXPECT_FALSE(tracer.traceView({0.5, 0.3}, {0, 0, 1}));
 }
 
+// Curved charts side by side. Inside a chart, where patches at its border meet others, no ray may fall through.
+TEST(GeometryTracer, CubicHasNoSlitsInsideACurvedChart) {
+  constexpr int kSide = 16;
+  const auto height = [](glm::dvec2 p) { return -0.2 - 0.15 * std::sin(kTau * 2 * p.x) * std::sin(kTau * 2 * p.y); };
+  std::vector<glm::dvec3> points;
+  std::vector<uint16_t> charts;
+  for (int t = 0; t < kSide * kSide; ++t) {
+    const glm::dvec2 p((t % kSide + 0.5) / kSide, (t / kSide + 0.5) / kSide);
+    points.emplace_back(p, height(p));
+    charts.push_back(t % kSide < 8 ? 1 : 2);
+  }
+  const GeometryTracer tracer(encodeGeometryImage(kSide, points, charts, true), Interpolation::kCubic);
+  int inside = 0;
+  for (const View& view : randomViews(20000, 60)) {
+    const glm::dvec2 slope = glm::dvec2(view.wo) / view.wo.z;
+    // Where it meets the waves, raised and lowered by more than 16 texels have them wrong; rays that graze are left out.
+    const auto meets = [&](double raised) {
+      double z = 0;
+      while (z > height(view.x + slope * z) + raised) z -= 1e-3;
+      return view.x + slope * z;
+    };
+    const glm::dvec2 p = meets(0);
+    if (glm::length(meets(0.01) - meets(-0.01)) > 1.0 / kSide) continue;
+    const double column = glm::fract(p.x) * kSide - 0.5;
+    if (std::fmod(column, 8) < 0.4 || std::fmod(column, 8) > 6.6) continue;  // between the charts
+    ++inside;
+    const auto hit = tracer.traceView(view.x, view.wo);
+    ASSERT_TRUE(hit);
+    EXPECT_LE(glm::length(hit->p - p), 0.5 / kSide) << view.x.x << " " << view.x.y;
+  }
+  EXPECT_GT(inside, 10000);
+}
+
 TEST(GeometryTracer, IsPeriodic) {
   const GeometryTracer tracer(waveImage(64, 0.15, 0.2));
   for (const View& view : randomViews(300, 85)) {
@@ -228,14 +261,14 @@ TEST_P(VdimOnWaves, DefaultLookupAgreesWithTheTracer) {
   const auto views = randomViews(4000, 85);
   const LookupCounts counts = countLookups(waveImage(128, 0.15, GetParam()), Lookup::kDefault, views);
   EXPECT_GE(counts.converged, 0.98 * double(views.size()));
-  EXPECT_LE(counts.wrong, 0.03 * double(views.size()));  // the goals of the default tier, on smooth waves
+  EXPECT_LE(counts.wrong, 0.03 * double(views.size()));  // the goals of the default lookup, on smooth waves
   EXPECT_LE(counts.fetches, 12 * static_cast<int>(views.size()));
 }
 
 TEST_P(VdimOnWaves, FastLookupMissesMoreForFewerFetches) {
   const auto views = randomViews(4000, 85);
   const LookupCounts counts = countLookups(waveImage(128, 0.15, GetParam()), Lookup::kFast, views);
-  EXPECT_LE(counts.wrong, 0.07 * double(views.size()));  // the goals of the fast tier, on smooth waves
+  EXPECT_LE(counts.wrong, 0.07 * double(views.size()));  // the goals of the fast lookup, on smooth waves
   EXPECT_LE(counts.fetches, 6 * static_cast<int>(views.size()));
 }
 
@@ -261,8 +294,7 @@ TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
       off += glm::length(hit.p - truth->p);
       if (lookup != Lookup::kQuality) continue;
       EXPECT_TRUE(hit.converged);
-      EXPECT_LE(glm::length(hit.p - truth->p), 1e-9);
-      EXPECT_LE(glm::length(hit.position - truth->position), 1e-9);
+      EXPECT_LE(glm::length(hit.position - wavePoint(hit.p, 0.15, GetParam())), 1e-4);  // the wave itself: 16 bits of it, and a cubic between
     }
     const double n = double(views.size()), texel = 1.0 / 64;
     SCOPED_TRACE(lookupName(lookup));

@@ -43,7 +43,8 @@ Status checkOptions(const BakeOptions& o) {
   return {};
 }
 
-// Charts need a gutter of nearly two texels in every map, so that no filter mixes them and no texel is overlapped by two.
+// Charts need a gutter of two texels in every map, as nearly as gutterOf can tell, so that filters keep them apart and no
+// texel is overlapped by two.
 Status checkGutters(const Tile& tile, const BakeManifest& m) {
   if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
   const double gutter = gutterOf(tile) + 1.0 / 256;  // half of what gutterOf may have cut off

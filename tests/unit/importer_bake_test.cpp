@@ -454,6 +454,9 @@ TEST(TileTracer, StreamsOfViewRaysAgreeWithSingleOnes) {
       EXPECT_NEAR(hits[k]->t, single->t, 1e-7 / wo.z);
     }
   }
+  const glm::dvec3 from_below(0.6, 0, -0.8);  // its rays go up and away from the tile
+  tracer.intersectViews(x, from_below, hits);
+  for (size_t k = 0; k < x.size(); ++k) EXPECT_EQ(hits[k].has_value(), tracer.intersectView(x[k], from_below).has_value()) << k;
 }
 
 TEST(TileTracer, StreamsOfShadowRaysAgreeWithSingleOnes) {

@@ -300,22 +300,27 @@ Tile quarters(int n) {
   return tile;
 }
 
+// BTF and Flat-BTF under 3 x 3 directions.
+BakedOutput bakeSmall(const Tile& tile, int size, int per_side, const TemporaryFolder& folder) {
+  BakeOptions options;
+  options.size = size;
+  options.supersample = per_side;
+  options.directions = concentricDirections(3);
+  options.maps = {true, true, false, false};
+  options.quiet = true;
+  const auto report = bake(tile, "small", folder.path(), options);
+  EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.issue().text);
+  return *BakedOutput::open(folder.path());
+}
+
 // Against the mean of the surface that the texel holds: the nearest point, and what push-pull has to offer.
 TEST(Bake, ATexelThatASeamCutsIsCloserThanItsFillWouldBe) {
   constexpr int n = 32, per_side = 2, kFine = 16;
   const Tile tile = quarters(24);
   const TemporaryFolder folder;
-  BakeOptions options;
-  options.size = n;
-  options.supersample = per_side;
-  options.directions = concentricDirections(3);
-  options.maps = {false, true, false, false};
-  options.quiet = true;
-  const auto report = bake(tile, "quarters", folder.path(), options);
-  ASSERT_TRUE(report.ok()) << report.issue().text;
-  const BakedOutput output = *BakedOutput::open(folder.path());
+  const BakedOutput output = bakeSmall(tile, n, per_side, folder);
   const TileTracer tracer(tile);
-  const auto& directions = options.directions.samples;
+  const auto& directions = output.manifest().directions.samples;
   constexpr int kAbove = 4;  // the middle of 3 x 3
   const auto flat = *output.flatView(kAbove);
   const auto visible = *output.visibleView(kAbove);
@@ -369,15 +374,7 @@ TEST(Bake, AChartNarrowerThanASampleIsInTheFlatMap) {
   add({0, 0}, {1, 1}, -0.1, {0.1, 0.1}, {0.5, 0.5}, 0);
   add({0.4, 0}, {0.6, 1}, 0, {24.4 / n, 4.0 / n}, {24.525 / n, 20.0 / n}, 1);
   const TemporaryFolder folder;
-  BakeOptions options;
-  options.size = n;
-  options.supersample = 2;
-  options.directions = concentricDirections(3);
-  options.maps = {true, true, false, false};
-  options.quiet = true;
-  const auto report = bake(tile, "band", folder.path(), options);
-  ASSERT_TRUE(report.ok()) << report.issue().text;
-  const BakedOutput output = *BakedOutput::open(folder.path());
+  const BakedOutput output = bakeSmall(tile, n, 2, folder);
   constexpr int kAbove = 4;  // the middle of 3 x 3
   const auto visible = *output.visibleView(kAbove);
   const auto flat = *output.flatView(kAbove);

@@ -16,7 +16,7 @@
 #include "importer/random.h"
 #include "importer/surface_samples.h"
 #include "importer/view_fill.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

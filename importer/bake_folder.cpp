@@ -12,7 +12,7 @@
 
 #include "importer/baked_files.h"
 #include "importer/file_read.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "importer/baked_output.h"
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

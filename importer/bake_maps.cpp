@@ -9,7 +9,7 @@
 #include "importer/local_brdf.h"
 #include "importer/mesh_material.h"
 #include "importer/random.h"
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -6,7 +6,7 @@
 #include "importer/file_read.h"
 #include "importer/image_file.h"
 #include "importer/repair_log.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -26,8 +26,8 @@
 
 #include "importer/fill_method.h"
 #include "importer/tile.h"
-#include "material/directions.h"
-#include "material/result.h"
+#include "material/model/directions.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "importer/tile.h"
-#include "material/analytic_surface.h"
+#include "material/model/analytic_surface.h"
 
 namespace loden::importer {
 

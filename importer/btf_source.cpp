@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "importer/repair_log.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "importer/baked_output.h"
-#include "material/directions.h"
-#include "material/evaluate.h"
-#include "material/result.h"
+#include "material/model/directions.h"
+#include "material/eval/evaluate.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -7,8 +7,8 @@
 #include "importer/periodic_noise.h"
 #include "importer/tile.h"
 #include "importer/tile_internal.h"
-#include "material/directions.h"
-#include "material/issues.h"
+#include "material/model/directions.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -10,8 +10,8 @@
 #include "importer/param_map.h"
 #include "importer/periodic_noise.h"
 #include "importer/weld.h"
-#include "material/check.h"
-#include "material/directions.h"
+#include "material/base/check.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "importer/tile.h"
-#include "material/geometry_image.h"
+#include "material/model/geometry_image.h"
 
 namespace loden::importer {
 

@@ -7,7 +7,7 @@
 #include "importer/flip.h"
 #include "importer/parallel.h"
 #include "importer/progress.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -1,8 +1,8 @@
 #include "importer/cook.h"
 
 #include "importer/fit/modes.h"
-#include "material/asset.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "importer/baked_output.h"
 #include "importer/btf_source.h"
-#include "material/material.h"
-#include "material/result.h"
+#include "material/model/material.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

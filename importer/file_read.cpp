@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

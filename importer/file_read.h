@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "material/check.h"
-#include "material/directions.h"
+#include "material/base/check.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {

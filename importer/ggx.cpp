@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {

@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "importer/mesh_material.h"
-#include "material/color.h"
-#include "material/gltf_extensions.h"
-#include "material/issues.h"
+#include "material/model/color.h"
+#include "material/base/gltf_extensions.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

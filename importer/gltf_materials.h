@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "importer/tile.h"
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace tinygltf {
 class Model;

@@ -14,9 +14,9 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/gltf_materials.h"
 #include "importer/tile_internal.h"
-#include "material/confined_path.h"
-#include "material/gltf_extensions.h"
-#include "material/issues.h"
+#include "material/system/confined_path.h"
+#include "material/base/gltf_extensions.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "importer/periodic_noise.h"
 #include "importer/push_pull.h"
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "importer/file_read.h"
 #include "importer/temporary_file.h"
-#include "material/check.h"
-#include "material/issues.h"
+#include "material/base/check.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

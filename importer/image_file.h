@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

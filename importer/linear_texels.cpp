@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "importer/periodic_noise.h"
-#include "material/color.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "importer/ggx.h"
 #include "importer/tile.h"
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

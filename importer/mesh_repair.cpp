@@ -8,7 +8,7 @@
 #include "importer/periodic_mesh.h"
 #include "importer/tile_params.h"
 #include "importer/weld.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "material/check.h"
-#include "material/color.h"
+#include "material/base/check.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 

@@ -9,8 +9,8 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/mesh_material.h"
 #include "importer/tile_internal.h"
-#include "material/confined_path.h"
-#include "material/issues.h"
+#include "material/system/confined_path.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "importer/file_read.h"
 #include "importer/gltf/gltf_document.h"
-#include "material/asset.h"
-#include "material/atomic_file.h"
-#include "material/color.h"
-#include "material/confined_path.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/system/atomic_file.h"
+#include "material/model/color.h"
+#include "material/system/confined_path.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -1,6 +1,6 @@
 #include "importer/packed_lod.h"
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

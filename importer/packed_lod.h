@@ -2,7 +2,7 @@
 #pragma once
 
 #include "importer/picture.h"
-#include "material/material.h"
+#include "material/model/material.h"
 
 namespace loden::importer {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "material/environment.h"
+#include "material/model/environment.h"
 
 namespace loden::importer {
 

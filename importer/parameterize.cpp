@@ -11,7 +11,7 @@
 #include <set>
 
 #include "importer/weld.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "importer/periodic_mesh.h"
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "importer/weld.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

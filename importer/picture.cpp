@@ -11,8 +11,8 @@
 
 #include "importer/file_read.h"
 #include "importer/temporary_file.h"
-#include "material/color.h"
-#include "material/issues.h"
+#include "material/model/color.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

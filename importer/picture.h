@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "importer/periodic_noise.h"
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 namespace {

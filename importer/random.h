@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 

@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "importer/periodic_mesh.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -9,7 +9,7 @@
 #include "importer/tile_params.h"
 #include "importer/tile_tracer.h"
 #include "importer/weld.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -11,7 +11,7 @@
 #include "importer/periodic_mesh.h"
 #include "importer/segment.h"
 #include "importer/weld.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "importer/textured_brdf.h"
-#include "material/check.h"
-#include "material/directions.h"
+#include "material/base/check.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {

@@ -13,7 +13,7 @@
 #include "importer/progress.h"
 #include "importer/random.h"
 #include "importer/tile_tracer.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "importer/picture.h"
 #include "importer/tile.h"
-#include "material/analytic_surface.h"
-#include "material/environment.h"
+#include "material/model/analytic_surface.h"
+#include "material/model/environment.h"
 
 namespace loden::importer {
 

@@ -1,4 +1,4 @@
-// What `loden validate` says about a scene. Numbers as in material/issues.h.
+// What `loden validate` says about a scene. Numbers as in material/base/issues.h.
 #include <algorithm>
 #include <cmath>
 
@@ -6,10 +6,10 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/gltf/gltf_resource.h"
 #include "importer/pack.h"
-#include "material/asset.h"
-#include "material/confined_path.h"
-#include "material/gltf_extensions.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/system/confined_path.h"
+#include "material/base/gltf_extensions.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "importer/baked_output.h"
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 #include "importer/charts.h"
 #include "importer/periodic_noise.h"
 #include "importer/tile_internal.h"
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {

@@ -5,8 +5,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
-#include "material/check.h"
-#include "material/directions.h"
+#include "material/base/check.h"
+#include "material/model/directions.h"
 
 namespace loden::runtime {
 namespace {

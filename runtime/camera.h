@@ -5,12 +5,12 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "material/analytic_surface.h"
+#include "material/model/analytic_surface.h"
 #include "runtime/scene.h"
 
 namespace loden::runtime {
 
-// A camera and the picture it makes. Pixels agree with cameraRay() of material/analytic_surface.h.
+// A camera and the picture it makes. Pixels agree with cameraRay() of material/model/analytic_surface.h.
 struct View {
   glm::mat4 clip_from_world{1};
   glm::vec3 position{0};     // world, metres

@@ -2,7 +2,7 @@
 
 #include <epoxy/gl.h>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/device_backends.h"
 #include "shaders/loden_shared.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/log.h"
 
 namespace loden::runtime {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/device_backends.h"
 
 namespace loden::runtime {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "material/directions.h"
-#include "material/issues.h"
+#include "material/model/directions.h"
+#include "material/base/issues.h"
 #include "runtime/frame_multisample.h"
 #include "runtime/frame_shadow.h"
 #include "runtime/gl_objects.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "material/environment.h"
-#include "material/result.h"
+#include "material/model/environment.h"
+#include "material/base/result.h"
 #include "runtime/camera.h"
 #include "runtime/device.h"
 #include "runtime/material_system.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::runtime {
 namespace {

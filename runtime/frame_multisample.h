@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/gl_objects.h"
 
 namespace loden::runtime {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::runtime {
 

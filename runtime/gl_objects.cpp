@@ -2,7 +2,7 @@
 
 #include <epoxy/gl.h>
 
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::runtime {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "material/check.h"
-#include "material/issues.h"
+#include "material/base/check.h"
+#include "material/base/issues.h"
 #include "runtime/gl_state.h"
 
 namespace loden::runtime {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/gl_objects.h"
 
 namespace loden::runtime {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::runtime {
 namespace {

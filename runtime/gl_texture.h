@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "material/texture.h"
+#include "material/model/texture.h"
 #include "runtime/gl_objects.h"
 #include "runtime/material_parts.h"
 

@@ -1,5 +1,5 @@
 // Contexts in a window.
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/device_backends.h"
 
 #ifdef LODEN_WITH_GLFW

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::runtime {
 namespace {

@@ -1,5 +1,5 @@
-// What stands between an untrusted glTF file and the JSON parser, beside material/json_depth.h and
-// material/confined_path.h.
+// What stands between an untrusted glTF file and the JSON parser, beside material/base/json_depth.h and
+// material/system/confined_path.h.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::runtime {
 

@@ -1,7 +1,7 @@
 // Materials, and the extension LODEN_materials_flat_btf on the document and on its materials.
 #include <cmath>
 
-#include "material/confined_path.h"
+#include "material/system/confined_path.h"
 #include "runtime/gltf_reader.h"
 
 namespace loden::runtime::gltf {

@@ -13,8 +13,8 @@
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
-#include "material/issues.h"
-#include "material/result.h"
+#include "material/base/issues.h"
+#include "material/base/result.h"
 #include "runtime/scene.h"
 
 namespace loden::runtime::gltf {

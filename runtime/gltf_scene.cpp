@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "material/confined_path.h"
-#include "material/gltf_extensions.h"
-#include "material/json_depth.h"
+#include "material/system/confined_path.h"
+#include "material/base/gltf_extensions.h"
+#include "material/base/json_depth.h"
 #include "runtime/gltf_guard.h"
 #include "runtime/gltf_reader.h"
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "material/asset.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/base/issues.h"
 
 namespace loden::runtime {
 namespace {

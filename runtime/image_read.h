@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "material/environment.h"
-#include "material/result.h"
+#include "material/model/environment.h"
+#include "material/base/result.h"
 
 namespace loden::runtime {
 

@@ -10,7 +10,7 @@
 #include <memory>
 #include <set>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::runtime {
 namespace {

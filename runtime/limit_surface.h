@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/scene.h"
 
 namespace loden::runtime {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::runtime {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "material/asset.h"
-#include "material/environment.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/model/environment.h"
+#include "material/base/issues.h"
 #include "runtime/shader_variants.h"
 
 namespace loden::runtime {

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "material/material.h"
-#include "material/result.h"
+#include "material/model/material.h"
+#include "material/base/result.h"
 #include "runtime/shader_variants.h"
 #include "shaders/loden_shared.h"
 

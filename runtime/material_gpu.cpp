@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "material/color.h"
+#include "material/model/color.h"
 #include "runtime/gl_state.h"
 #include "runtime/gl_texture.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "material/material.h"
+#include "material/model/material.h"
 #include "runtime/gl_objects.h"
 #include "runtime/material_data.h"
 #include "runtime/material_parts.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "material/environment.h"
-#include "material/issues.h"
-#include "material/leading_part.h"
+#include "material/model/environment.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
 #include "runtime/material_data.h"
 #include "shaders/loden_shared.h"
 
@@ -18,7 +18,7 @@ float bandEnd(const Material& material, const Band& band) {
 }
 
 // Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a quarter
-// of a texel shown or more, at slopes up to 11 (85 degrees); material/vdim.h.
+// of a texel shown or more, at slopes up to 11 (85 degrees); material/model/vdim.h.
 float parallaxEnd(const Material& material) {
   if (!material.geometry.identity_parameterization) return material.lambda_max + 1;
   const float texels = std::abs(material.geometry.range.z) * float(material.side) * 4 * 11;

@@ -7,9 +7,9 @@
 #include <stop_token>
 #include <vector>
 
-#include "material/asset.h"
-#include "material/evaluate.h"
-#include "material/vdim.h"
+#include "material/asset/asset.h"
+#include "material/eval/evaluate.h"
+#include "material/model/vdim.h"
 #include "runtime/device.h"
 #include "runtime/residency.h"
 #include "runtime/shader_variants.h"
@@ -29,7 +29,7 @@ struct PartPlan {
 inline constexpr float kFirstAtlasLambda = 1;
 
 // Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands. Surface maps come
-// before their geometry, or their tail does. A leading part (material/leading_part.h) stands before the whole, has textures of its
+// before their geometry, or their tail does. A leading part (material/model/leading_part.h) stands before the whole, has textures of its
 // own, and is shown again when the whole goes. Last the full atlas, if it is larger than the first. Only what the variant reads.
 std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant, VdimAtlasSize full_atlas);
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "material/check.h"
-#include "material/issues.h"
+#include "material/base/check.h"
+#include "material/base/issues.h"
 #include "runtime/gl_state.h"
 #include "runtime/gl_texture.h"
 #include "runtime/material_gpu.h"

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
-#include "material/asset.h"
-#include "material/evaluate.h"
-#include "material/result.h"
+#include "material/asset/asset.h"
+#include "material/eval/evaluate.h"
+#include "material/base/result.h"
 #include "runtime/device.h"
 #include "runtime/shader_variants.h"
 

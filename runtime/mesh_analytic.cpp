@@ -1,6 +1,6 @@
 #include "runtime/mesh_analytic.h"
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::runtime {
 namespace {

@@ -1,9 +1,9 @@
-// The surfaces of material/analytic_surface.h as scenes, for `loden_walk --surface`.
+// The surfaces of material/model/analytic_surface.h as scenes, for `loden_walk --surface`.
 #pragma once
 
 #include <filesystem>
 
-#include "material/analytic_surface.h"
+#include "material/model/analytic_surface.h"
 #include "runtime/scene.h"
 
 namespace loden::runtime {

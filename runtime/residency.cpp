@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::runtime {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::runtime {
 

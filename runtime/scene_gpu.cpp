@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/camera.h"
 #include "shaders/scene_shared.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "shaders/shader_sources.h"
 
 namespace loden::runtime {

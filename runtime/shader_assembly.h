@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::runtime {
 

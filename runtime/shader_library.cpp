@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/program_cache.h"
 #include "runtime/shader_assembly.h"
 #include "shaders/shader_sources.h"

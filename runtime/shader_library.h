@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/device.h"
 #include "runtime/gl_objects.h"
 #include "runtime/shader_variants.h"

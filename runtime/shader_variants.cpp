@@ -1,6 +1,6 @@
 #include "runtime/shader_variants.h"
 
-#include "material/check.h"
+#include "material/base/check.h"
 #include "shaders/loden_shared.h"
 
 namespace loden::runtime {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "material/evaluate.h"
-#include "material/material.h"
+#include "material/eval/evaluate.h"
+#include "material/model/material.h"
 
 namespace loden::runtime {
 
@@ -20,7 +20,7 @@ struct MaterialVariant {
   uint8_t bands = 0;        // of kBands
   Lookup lookup = Lookup::kNone;
   bool nearest_tables = false;  // of kBands: tables are read at the nearest sampled pair
-  bool light_factor = false;    // of kBands: a band has a light factor (material/band.h)
+  bool light_factor = false;    // of kBands: a band has a light factor (material/model/band.h)
   uint8_t first_unit = 0;       // texture unit that the material's begin at
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::runtime {
 namespace {

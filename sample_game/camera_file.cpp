@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::walk {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "material/analytic_surface.h"
-#include "material/result.h"
+#include "material/model/analytic_surface.h"
+#include "material/base/result.h"
 #include "runtime/camera.h"
 
 namespace loden::walk {

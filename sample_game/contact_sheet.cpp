@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "material/check.h"
-#include "material/color.h"
+#include "material/base/check.h"
+#include "material/model/color.h"
 
 namespace loden::walk {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "material/analytic_surface.h"
+#include "material/model/analytic_surface.h"
 #include "runtime/frame.h"
 
 namespace loden::walk {
@@ -23,7 +23,7 @@ struct Options {
   std::filesystem::path scene;  // either this ...
   std::filesystem::path asset;  // ... or this, on a surface
   SurfaceKind surface = SurfaceKind::kPlane;
-  std::filesystem::path camera;   // empty: the scene's own, or the default of material/analytic_surface.h
+  std::filesystem::path camera;   // empty: the scene's own, or the default of material/model/analytic_surface.h
   std::optional<glm::dvec2> light;  // degrees theta, phi from +z; of the surface. None: (30, 0), or the environment
   std::filesystem::path environment;  // empty: none
   bool headless = false;

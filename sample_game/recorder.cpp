@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/image_write.h"
 
 namespace loden::walk {

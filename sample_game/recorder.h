@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "sample_game/contact_sheet.h"
 #include "sample_game/options.h"
 #include "sample_game/report.h"

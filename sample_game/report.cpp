@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "material/atomic_file.h"
+#include "material/system/atomic_file.h"
 
 namespace loden::walk {
 namespace {

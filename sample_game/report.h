@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/device.h"
 #include "runtime/frame.h"
 #include "runtime/material_system.h"

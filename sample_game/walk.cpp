@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "material/exit_code.h"
+#include "material/base/exit_code.h"
 #include "runtime/gl_target.h"
 #include "sample_game/player.h"
 #include "sample_game/recorder.h"

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "material/directions.h"
-#include "material/issues.h"
+#include "material/model/directions.h"
+#include "material/base/issues.h"
 #include "runtime/gltf_scene.h"
 #include "runtime/image_read.h"
 #include "runtime/mesh_analytic.h"

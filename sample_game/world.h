@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "material/result.h"
+#include "material/base/result.h"
 #include "runtime/camera.h"
 #include "runtime/device.h"
 #include "runtime/frame.h"

@@ -1,4 +1,4 @@
-// The sum over bands: w_b(lambda) * dot(D_b(q_b), E_b(wi, wo)). Mirrors material/evaluate.cpp.
+// The sum over bands: w_b(lambda) * dot(D_b(q_b), E_b(wi, wo)). Mirrors material/eval/evaluate.cpp.
 // Fetches per band and light: quads * 3 in grid layout (weights, two trilinear table fetches), quads * 2 in
 // nearest layout, 1 for the ratio layer, and 2 for each quad of a light factor.
 

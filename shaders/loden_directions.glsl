@@ -1,8 +1,8 @@
-// Directions and the maps between them and tables. Mirrors material/directions.h; unit vectors in the tangent
+// Directions and the maps between them and tables. Mirrors material/model/directions.h; unit vectors in the tangent
 // frame of the reference plane, pointing away from the surface.
 
 const float LODEN_PI = 3.14159265358979;
-// Views beyond 85 degrees are looked up at it (material/vdim.h, kThetaMax).
+// Views beyond 85 degrees are looked up at it (material/model/vdim.h, kThetaMax).
 const float LODEN_VDIM_COS = 0.0871557427476582;
 const float LODEN_VDIM_SIN = 0.996194698091746;
 const float LODEN_VDIM_RIM = 3.13130133147093;  // atanh(sin 85 degrees)

@@ -1,4 +1,4 @@
-// Light from all around. Mirrors material/environment.h and the environment's half of material/evaluate.cpp.
+// Light from all around. Mirrors material/model/environment.h and the environment's half of material/eval/evaluate.cpp.
 // Fetches per band: quads * 7 (weights, and one of the table per basis function), and 1 for the ratio layer; about what two lights cost.
 // With a light factor the ambient layer is one quad more.
 //

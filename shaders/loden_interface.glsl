@@ -33,7 +33,7 @@ LODEN_BINDING(LODEN_UNIT_LIGHT_TABLE) uniform sampler3D loden_light_table;  // c
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
 LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;
 #endif
-LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform usampler2D loden_geometry;            // R32UI, material/packed_geometry.h; repeat
+LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform usampler2D loden_geometry;            // R32UI, material/model/packed_geometry.h; repeat
 LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;    // repeat
 LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;       // nearest
 #ifdef LODEN_LOOKUP_PAPER

@@ -3,12 +3,12 @@
 #ifndef LODEN_SHARED_H
 #define LODEN_SHARED_H
 
-#define LODEN_MAX_BANDS 8   // that one shader reads; files may hold more (LODEN limits in material/asset.h)
+#define LODEN_MAX_BANDS 8   // that one shader reads; files may hold more (LODEN limits in material/asset/asset.h)
 #define LODEN_MAX_QUADS 16  // of one band
 
 #define LODEN_MAX_CURVATURE 1.0  // of a reference surface that the lookup follows, per tile length
 
-// How a material answers to light from all around (material/environment.h).
+// How a material answers to light from all around (material/model/environment.h).
 #define LODEN_ENVIRONMENT_BASIS 6   // functions over the hemisphere
 #define LODEN_ENVIRONMENT_THETAS 6  // views of the mean
 

@@ -1,4 +1,4 @@
-// View-dependent indirection: p = VDIM(x, wo). Mirrors material/vdim_lookup.cpp name for name.
+// View-dependent indirection: p = VDIM(x, wo). Mirrors material/eval/vdim_lookup.cpp name for name.
 // Default: 3 gathers for 12 depths, then per candidate 1 fetch (none on identity parameterizations) and a gather per
 // patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates. A ray that bends much does so for several anchors.
 
@@ -162,7 +162,7 @@ struct LodenPatch {
   bool exists;
 };
 
-// The bilinear patch whose lower left corner is texel `base` (material/packed_geometry.h).
+// The bilinear patch whose lower left corner is texel `base` (material/model/packed_geometry.h).
 LodenPatch loden_fetch_patch(vec2 base) {
   vec3 range = loden_material.geometry_range;
   float n = loden_material.geometry_side;

@@ -8,7 +8,7 @@
 #include "importer/cli/output.h"
 #include "importer/measured/bonn_folder.h"
 #include "importer/repair_log.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

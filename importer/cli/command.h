@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "material/exit_code.h"
+#include "material/base/exit_code.h"
 
 namespace loden::importer {
 

@@ -8,7 +8,7 @@
 #include "importer/cli/output.h"
 #include "importer/compare.h"
 #include "importer/file_read.h"
-#include "material/asset.h"
+#include "material/asset/asset.h"
 
 namespace loden::importer {
 namespace {

@@ -9,8 +9,8 @@
 #include "importer/cook.h"
 #include "importer/measured/measured.h"
 #include "importer/repair_log.h"
-#include "material/asset.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -9,8 +9,8 @@
 #include "importer/file_read.h"
 #include "importer/packed_lod.h"
 #include "importer/picture.h"
-#include "material/asset.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -6,10 +6,10 @@
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
 #include "importer/file_read.h"
-#include "material/asset.h"
-#include "material/environment.h"
-#include "material/issues.h"
-#include "material/leading_part.h"
+#include "material/asset/asset.h"
+#include "material/model/environment.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
 
 namespace loden::importer {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "importer/cli/interrupt.h"
 #include "importer/repair_log.h"
-#include "material/atomic_file.h"
-#include "material/directions.h"
-#include "material/issues.h"
+#include "material/system/atomic_file.h"
+#include "material/model/directions.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

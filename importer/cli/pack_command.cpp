@@ -4,7 +4,7 @@
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
 #include "importer/pack.h"
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 #include "importer/cli/output.h"
 #include "importer/cli/sibling_program.h"
 #include "importer/study/study.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -5,7 +5,7 @@
 #include "importer/cli/output.h"
 #include "importer/file_read.h"
 #include "importer/trace.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -6,8 +6,8 @@
 #include "importer/cli/output.h"
 #include "importer/file_read.h"
 #include "importer/pack.h"
-#include "material/asset.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "importer/fit/eigen.h"
 #include "importer/fit/reduction.h"
-#include "material/environment.h"
-#include "material/evaluate.h"
-#include "material/mu.h"
+#include "material/model/environment.h"
+#include "material/eval/evaluate.h"
+#include "material/model/mu.h"
 
 namespace loden::importer {
 namespace {

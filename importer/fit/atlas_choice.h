@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "importer/fit/lookup_error.h"
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 

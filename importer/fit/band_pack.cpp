@@ -7,7 +7,7 @@
 #include "importer/fit/grid_table.h"
 #include "importer/fit/light_factor.h"
 #include "importer/fit/ycc_btf.h"
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "importer/fit/pca.h"
-#include "material/band.h"
-#include "material/directions.h"
+#include "material/model/band.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

@@ -16,8 +16,8 @@
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
 #include "importer/progress.h"
-#include "material/evaluate.h"
-#include "material/leading_part.h"
+#include "material/eval/evaluate.h"
+#include "material/model/leading_part.h"
 
 namespace loden::importer {
 namespace {

@@ -4,8 +4,8 @@
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
-#include "material/issues.h"
-#include "material/leading_part.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
 
 namespace loden::importer {
 namespace {

@@ -8,7 +8,7 @@
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
 #include "importer/fit/paper_vdim.h"
-#include "material/leading_part.h"
+#include "material/model/leading_part.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "importer/fit/indirection.h"
 #include "importer/fit/pca.h"
-#include "material/band.h"
+#include "material/model/band.h"
 
 namespace loden::importer {
 

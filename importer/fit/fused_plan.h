@@ -8,7 +8,7 @@
 #include "importer/fit/band_pack.h"
 #include "importer/fit/indirection.h"
 #include "importer/fit/measure.h"
-#include "material/material.h"
+#include "material/model/material.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "importer/fit/fused_plan.h"
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "importer/fit/eigen.h"
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 namespace {

@@ -1,9 +1,9 @@
-// Between sampled directions and the lat-long grid of TableLayout::kGrid (material/band.h).
+// Between sampled directions and the lat-long grid of TableLayout::kGrid (material/model/band.h).
 #pragma once
 
 #include "importer/fit/matrix.h"
-#include "material/band.h"
-#include "material/directions.h"
+#include "material/model/band.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "importer/fit/reduction.h"
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "importer/fit/matrix.h"
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

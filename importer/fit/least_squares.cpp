@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "material/check.h"
+#include "material/base/check.h"
 
 namespace loden::importer {
 namespace {

@@ -1,4 +1,4 @@
-// The light factor of a flat band (material/band.h): cast and attached shadows apart from shading (FBTF section 5).
+// The light factor of a flat band (material/model/band.h): cast and attached shadows apart from shading (FBTF section 5).
 //
 // Whether light reaches a point is 0 or 1 with an edge between, and no sum of few products is. But clamp(u) of such a sum is:
 // u only has to be beyond 0 or 1 where a point lies in shadow or light, and right where the edge runs. What is left
@@ -8,7 +8,7 @@
 #include "importer/fit/band_pack.h"
 #include "importer/fit/indirection.h"
 #include "importer/fit/pca.h"
-#include "material/geometry_image.h"
+#include "material/model/geometry_image.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 
 #include "importer/parallel.h"
 #include "importer/random.h"
-#include "material/geometry_image.h"
+#include "material/model/geometry_image.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 

@@ -7,7 +7,7 @@
 #include "importer/fit/light_factor.h"
 #include "importer/fit/reduction.h"
 #include "importer/fit/phong.h"
-#include "material/color.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 namespace {

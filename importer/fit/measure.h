@@ -6,7 +6,7 @@
 
 #include "importer/fit/ycc_btf.h"
 #include "importer/fit/indirection.h"
-#include "material/material.h"
+#include "material/model/material.h"
 
 namespace loden::importer {
 
@@ -15,7 +15,7 @@ struct FitError {
   double rmse() const;
 };
 
-// Lab distances (CIE76, material/color.h), those of black samples of the BTF also apart.
+// Lab distances (CIE76, material/model/color.h), those of black samples of the BTF also apart.
 struct LabSums {
   double lab = 0, black_lab = 0;
   int64_t count = 0, black_count = 0;

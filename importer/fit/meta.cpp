@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/fit/lookup_error.h"
-#include "material/environment.h"
-#include "material/leading_part.h"
+#include "material/model/environment.h"
+#include "material/model/leading_part.h"
 
 namespace loden::importer {
 

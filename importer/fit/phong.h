@@ -2,8 +2,8 @@
 #pragma once
 
 #include "importer/fit/matrix.h"
-#include "material/directions.h"
-#include "material/mu.h"
+#include "material/model/directions.h"
+#include "material/model/mu.h"
 
 namespace loden::importer {
 

@@ -6,7 +6,7 @@
 #include "importer/fit/indirection.h"
 #include "importer/fit/ycc_btf.h"
 #include "importer/fit/pca.h"
-#include "material/mu.h"
+#include "material/model/mu.h"
 
 namespace loden::importer {
 

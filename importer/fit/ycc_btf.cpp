@@ -8,9 +8,9 @@
 #include <string>
 
 #include "importer/fit/reduction.h"
-#include "material/color.h"
-#include "material/issues.h"
-#include "material/texture.h"
+#include "material/model/color.h"
+#include "material/base/issues.h"
+#include "material/model/texture.h"
 
 namespace loden::importer {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "material/issues.h"
-#include "material/json_depth.h"
+#include "material/base/issues.h"
+#include "material/base/json_depth.h"
 
 namespace loden::importer {
 namespace {

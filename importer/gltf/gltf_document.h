@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -3,9 +3,9 @@
 #include <fstream>
 
 #include "importer/gltf/gltf_document.h"
-#include "material/check.h"
-#include "material/confined_path.h"
-#include "material/issues.h"
+#include "material/base/check.h"
+#include "material/system/confined_path.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 

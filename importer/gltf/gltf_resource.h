@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

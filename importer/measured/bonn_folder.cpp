@@ -9,9 +9,9 @@
 
 #include "importer/parallel.h"
 #include "importer/progress.h"
-#include "material/atomic_file.h"
-#include "material/color.h"
-#include "material/issues.h"
+#include "material/system/atomic_file.h"
+#include "material/model/color.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "importer/measured/btf_color.h"
 #include "importer/measured/btf_header.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace btf {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "material/issues.h"
-#include "material/texture.h"
+#include "material/base/issues.h"
+#include "material/model/texture.h"
 
 namespace loden::importer::btf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "importer/measured/mapped_file.h"
 #include "importer/measured/measured.h"
-#include "material/byte_cursor.h"
+#include "material/base/byte_cursor.h"
 
 namespace loden::importer::btf {
 

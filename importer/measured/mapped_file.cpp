@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 

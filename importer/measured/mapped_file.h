@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

@@ -3,7 +3,7 @@
 #include "importer/file_read.h"
 #include "importer/measured/bonn_folder.h"
 #include "importer/measured/btf_file.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "importer/measured/bonn_folder.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

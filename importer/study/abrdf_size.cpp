@@ -15,7 +15,7 @@
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
-#include "material/color.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "importer/parallel.h"
-#include "material/check.h"
-#include "material/vdim.h"
+#include "material/base/check.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "material/geometry_image.h"
+#include "material/model/geometry_image.h"
 
 namespace loden::importer {
 

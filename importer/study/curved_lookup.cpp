@@ -1,6 +1,6 @@
 // The lookup on curved reference surfaces (FBTF section 3.1), against the bent tile itself.
 //
-// Points of a cylinder and a sphere (material/analytic_surface.h: 24 tiles around, curvature .26 per tile length) and
+// Points of a cylinder and a sphere (material/model/analytic_surface.h: 24 tiles around, curvature .26 per tile length) and
 // views of them are random, views uniform in solid angle up to 85 degrees; on the sphere latitudes stay below 60
 // degrees. The truth is the first hit of the view ray with the tiles bent along the surface. `straight` looks up as on a
 // plane, `bent` tells the lookup the surface's curvature and how its texture coordinates are stretched. The error is the
@@ -19,7 +19,7 @@
 #include "importer/random.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "material/color.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 

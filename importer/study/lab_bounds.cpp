@@ -22,8 +22,8 @@
 #include "importer/parallel.h"
 #include "importer/progress.h"
 #include "importer/study/study_tile.h"
-#include "material/color.h"
-#include "material/evaluate.h"
+#include "material/model/color.h"
+#include "material/eval/evaluate.h"
 
 namespace loden::importer {
 namespace {

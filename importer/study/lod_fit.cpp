@@ -15,9 +15,9 @@
 #include "importer/study/random_directions.h"
 #include "importer/study/study_tile.h"
 #include "importer/tile_tracer.h"
-#include "material/color.h"
-#include "material/environment.h"
-#include "material/evaluate.h"
+#include "material/model/color.h"
+#include "material/model/environment.h"
+#include "material/eval/evaluate.h"
 
 namespace loden::importer {
 namespace {

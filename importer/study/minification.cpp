@@ -10,9 +10,9 @@
 #include "importer/random.h"
 #include "importer/study/plot.h"
 #include "importer/study/study_tile.h"
-#include "material/color.h"
-#include "material/evaluate.h"
-#include "material/leading_part.h"
+#include "material/model/color.h"
+#include "material/eval/evaluate.h"
+#include "material/model/leading_part.h"
 
 namespace loden::importer {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "material/atomic_file.h"
+#include "material/system/atomic_file.h"
 
 namespace loden::importer {
 namespace {

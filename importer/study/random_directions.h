@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <random>
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

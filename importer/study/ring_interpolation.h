@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 

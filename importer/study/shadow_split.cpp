@@ -1,5 +1,5 @@
 // Cast shadows apart from shading (FBTF section 5 leaves them in the Flat-BTF and names their removal as work to come): what
-// the light factor of a flat band (material/band.h) gives at equal bytes.
+// the light factor of a flat band (material/model/band.h) gives at equal bytes.
 //
 // joint   the flat band as cooked by default: components that hold shadow and shading at once.
 // split   components of shading, times clamp(V(p, wi)) in components whose table knows only the light.
@@ -9,7 +9,7 @@
 #include "importer/fit/modes.h"
 #include "importer/progress.h"
 #include "importer/study/study_tile.h"
-#include "material/evaluate.h"
+#include "material/eval/evaluate.h"
 
 namespace loden::importer {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "importer/bake.h"
 #include "importer/baked_output.h"
-#include "material/result.h"
+#include "material/base/result.h"
 
 namespace loden::importer {
 

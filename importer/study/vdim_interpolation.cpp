@@ -22,7 +22,7 @@
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "importer/tile_tracer.h"
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 namespace {

@@ -11,7 +11,7 @@
 #include "importer/progress.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
-#include "material/color.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 namespace {

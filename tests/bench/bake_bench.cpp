@@ -22,7 +22,7 @@
 #include "importer/bake.h"
 #include "importer/bake_scene.h"
 #include "importer/surface_samples.h"
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 namespace {

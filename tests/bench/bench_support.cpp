@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "material/exit_code.h"
+#include "material/base/exit_code.h"
 #include "runtime/shader_library.h"
 
 namespace loden::bench {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "material/material.h"
+#include "material/model/material.h"
 #include "runtime/device.h"
 #include "runtime/gl_objects.h"
 #include "runtime/gl_target.h"

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "material/check.h"
-#include "material/texture.h"
+#include "material/base/check.h"
+#include "material/model/texture.h"
 #include "shaders/loden_shared.h"
 #include "tests/bench/bench_support.h"
 

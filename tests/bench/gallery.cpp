@@ -8,7 +8,7 @@
 
 #include "importer/cook.h"
 #include "importer/study/study.h"
-#include "material/asset.h"
+#include "material/asset/asset.h"
 #include "runtime/mesh_analytic.h"
 #include "tests/bench/bench_support.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "material/material.h"
+#include "material/model/material.h"
 #include "runtime/camera.h"
 #include "runtime/frame.h"
 #include "runtime/gl_target.h"

@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "importer/flip.h"
-#include "material/asset.h"
+#include "material/asset/asset.h"
 #include "runtime/material_data.h"
 #include "runtime/material_parts.h"
 #include "runtime/mesh_analytic.h"

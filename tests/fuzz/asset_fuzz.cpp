@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "material/asset.h"
+#include "material/asset/asset.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <type_traits>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/gl_state.h"
 #include "tests/gl/gl_fixture.h"
 

@@ -1,7 +1,7 @@
 // What the material system owes the engine that it lives in: state, units, names, labels, lost contexts.
 #include <epoxy/gl.h>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "shaders/loden_shared.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/gl_state_dump.h"

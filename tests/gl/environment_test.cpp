@@ -1,5 +1,5 @@
 // Panoramas from files, and the renderer under light from all around.
-#include "material/environment.h"
+#include "material/model/environment.h"
 
 #include <epoxy/gl.h>
 
@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <fstream>
 
-#include "material/directions.h"
-#include "material/evaluate.h"
-#include "material/issues.h"
-#include "material/leading_part.h"
+#include "material/model/directions.h"
+#include "material/eval/evaluate.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
 #include "runtime/frame.h"
 #include "runtime/image_read.h"
 #include "runtime/mesh_analytic.h"

@@ -1,7 +1,7 @@
 // The frame renderer's engine manners: it leaves GL state alone and draws the same after a lost context.
 #include <epoxy/gl.h>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/frame.h"
 #include "runtime/mesh_analytic.h"
 #include "shaders/scene_shared.h"

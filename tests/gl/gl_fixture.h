@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "material/asset.h"
+#include "material/asset/asset.h"
 #include "runtime/device.h"
 #include "runtime/gl_objects.h"
 #include "runtime/gl_target.h"

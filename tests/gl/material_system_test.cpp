@@ -6,8 +6,8 @@
 #include <cmath>
 #include <thread>
 
-#include "material/issues.h"
-#include "material/leading_part.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
 #include "runtime/gl_texture.h"
 #include "runtime/material_data.h"
 #include "runtime/streaming.h"

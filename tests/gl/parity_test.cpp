@@ -11,8 +11,8 @@
 
 #include "importer/bake.h"
 #include "importer/cook.h"
-#include "material/asset.h"
-#include "material/evaluate.h"
+#include "material/asset/asset.h"
+#include "material/eval/evaluate.h"
 #include "runtime/device.h"
 #include "runtime/gl_objects.h"
 #include "runtime/gl_target.h"

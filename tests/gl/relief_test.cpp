@@ -6,7 +6,7 @@
 #include <cmath>
 #include <thread>
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 #include "runtime/frame.h"
 #include "runtime/mesh_analytic.h"
 #include "tests/gl/gl_fixture.h"

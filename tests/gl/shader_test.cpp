@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <fstream>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/shader_assembly.h"
 #include "runtime/shader_library.h"
 #include "shaders/loden_shared.h"

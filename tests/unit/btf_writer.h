@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "material/directions.h"
-#include "material/texture.h"
+#include "material/model/directions.h"
+#include "material/model/texture.h"
 
 namespace loden::test {
 

@@ -11,8 +11,8 @@
 #include "importer/fit/modes.h"
 #include "importer/fit/ratio_fit.h"
 #include "importer/packed_lod.h"
-#include "material/color.h"
-#include "material/evaluate.h"
+#include "material/model/color.h"
+#include "material/eval/evaluate.h"
 #include "tests/unit/fit_synthetic.h"
 
 namespace loden::importer {

@@ -11,8 +11,8 @@
 #include "importer/fit/grid_table.h"
 #include "importer/fit/meta.h"
 #include "importer/fit/modes.h"
-#include "material/evaluate.h"
-#include "material/issues.h"
+#include "material/eval/evaluate.h"
+#include "material/base/issues.h"
 #include "tests/unit/fit_synthetic.h"
 
 namespace loden::importer {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "importer/fit/modes.h"
-#include "material/evaluate.h"
+#include "material/eval/evaluate.h"
 #include "tests/unit/fit_synthetic.h"
 
 namespace loden::importer {

@@ -13,8 +13,8 @@
 #include "importer/random.h"
 #include "importer/tile_tracer.h"
 #include "importer_meshes.h"
-#include "material/issues.h"
-#include "material/vdim.h"
+#include "material/base/issues.h"
+#include "material/model/vdim.h"
 
 namespace loden::importer {
 namespace {

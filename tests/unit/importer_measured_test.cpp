@@ -10,7 +10,7 @@
 #include "importer/measured/btf_color.h"
 #include "importer/measured/btf_file.h"
 #include "importer/repair_log.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "tests/unit/btf_writer.h"
 
 namespace loden::importer {

@@ -11,7 +11,7 @@
 
 #include "importer/gltf/gltf_document.h"
 #include "importer/tile.h"
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 namespace loden::importer::testing {
 

@@ -12,7 +12,7 @@
 #include "importer/image_file.h"
 #include "importer/repair_log.h"
 #include "importer_meshes.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -8,7 +8,7 @@
 #include "importer/segment.h"
 #include "importer/tile_tracer.h"
 #include "importer_meshes.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

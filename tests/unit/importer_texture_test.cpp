@@ -8,8 +8,8 @@
 #include "importer/bent_tiles.h"
 #include "importer/tile_tracer.h"
 #include "importer_meshes.h"
-#include "material/color.h"
-#include "material/issues.h"
+#include "material/model/color.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -7,7 +7,7 @@
 #include "importer/parameterize.h"
 #include "importer/weld.h"
 #include "importer_meshes.h"
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {

@@ -13,11 +13,11 @@
 #include <regex>
 #include <sstream>
 
-#include "material/asset.h"
-#include "material/asset_check.h"
-#include "material/asset_chunks.h"
-#include "material/asset_header.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/asset/asset_check.h"
+#include "material/asset/asset_chunks.h"
+#include "material/asset/asset_header.h"
+#include "material/base/issues.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {

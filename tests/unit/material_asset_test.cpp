@@ -5,10 +5,10 @@
 #include <cstring>
 #include <memory>
 
-#include "material/asset.h"
-#include "material/evaluate.h"
-#include "material/issues.h"
-#include "material/leading_part.h"
+#include "material/asset/asset.h"
+#include "material/eval/evaluate.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "material/color.h"
+#include "material/model/color.h"
 
 namespace loden {
 namespace {

@@ -1,11 +1,11 @@
-#include "material/confined_path.h"
+#include "material/system/confined_path.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden {
 namespace {

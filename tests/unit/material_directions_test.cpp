@@ -1,6 +1,6 @@
 // Directions against closed form, for every index; maps against their inverses.
 
-#include "material/directions.h"
+#include "material/model/directions.h"
 
 #include <gtest/gtest.h>
 

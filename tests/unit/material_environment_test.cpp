@@ -1,12 +1,12 @@
 // Light from all around against integrals done the slow way.
 
-#include "material/environment.h"
+#include "material/model/environment.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "material/evaluate.h"
+#include "material/eval/evaluate.h"
 #include "tests/unit/material_fixtures.h"
 #include "tests/unit/panoramas.h"
 

@@ -1,6 +1,6 @@
 // The equation's terms against plain formulas.
 
-#include "material/evaluate.h"
+#include "material/eval/evaluate.h"
 
 #include <gtest/gtest.h>
 

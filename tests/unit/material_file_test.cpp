@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "material/asset.h"
-#include "material/atomic_file.h"
-#include "material/issues.h"
+#include "material/asset/asset.h"
+#include "material/system/atomic_file.h"
+#include "material/base/issues.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {

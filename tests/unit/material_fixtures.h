@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "material/material.h"
+#include "material/model/material.h"
 
 namespace loden::test {
 

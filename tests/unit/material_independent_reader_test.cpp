@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "material/asset.h"
+#include "material/asset/asset.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {

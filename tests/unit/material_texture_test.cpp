@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "material/texture.h"
+#include "material/model/texture.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {

@@ -1,7 +1,7 @@
 // Geometry image, its tracer and the indirection lookups on surfaces with known answers: a tilted-wave height
 // field, and waves that lean over until they overhang.
 
-#include "material/vdim.h"
+#include "material/model/vdim.h"
 
 #include <gtest/gtest.h>
 

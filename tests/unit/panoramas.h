@@ -1,7 +1,7 @@
 // Panoramas from formulas.
 #pragma once
 
-#include "material/environment.h"
+#include "material/model/environment.h"
 
 namespace loden::test {
 

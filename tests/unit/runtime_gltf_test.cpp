@@ -11,7 +11,7 @@
 #include <limits>
 #include <string>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 #include "runtime/gltf_guard.h"
 
 namespace loden::runtime {

@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "material/issues.h"
+#include "material/base/issues.h"
 
 namespace loden::runtime {
 namespace {

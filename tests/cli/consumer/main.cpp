@@ -1,8 +1,8 @@
 // Prints the colour of a material under one light: consumer FILE.loden
 #include <cstdio>
 
-#include "material/asset.h"
-#include "material/evaluate.h"
+#include "material/asset/asset.h"
+#include "material/eval/evaluate.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 1;

@@ -1,0 +1,78 @@
+// The fixed numbers of the container and the order of its parts (material/FORMAT.md). Internal.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "material/asset/asset.h"
+#include "material/model/material.h"
+
+namespace loden::asset {
+
+// As PNG and KTX2: a byte that is not ASCII, a name, and line ends that text-mode copies damage.
+inline constexpr std::array<uint8_t, 12> kMagic = {0xAB, 'L',  'O',  'D',  'E',  'N',
+                                                   '1',  0xBB, '\r', '\n', 0x1A, '\n'};
+inline constexpr uint16_t kMajor = 1;
+inline constexpr uint16_t kMinor = 0;
+
+inline constexpr size_t kPreambleBytes = 32;  // before the chunk table
+inline constexpr size_t kEntryBytes = 48;     // of the chunk table
+static_assert(kPreambleBytes + AssetLimits::kMaxChunks * kEntryBytes <= AssetLimits::kTableEnd);
+static_assert(kPreambleBytes + (AssetLimits::kMaxChunks + 1) * kEntryBytes > AssetLimits::kTableEnd);
+
+constexpr uint32_t fourCharacters(const char (&name)[5]) {
+  return uint32_t(name[0]) | uint32_t(name[1]) << 8 | uint32_t(name[2]) << 16 | uint32_t(name[3]) << 24;
+}
+inline constexpr uint32_t kHead = fourCharacters("HEAD");  // everything but texels
+inline constexpr uint32_t kBand = fourCharacters("BAND");  // texels of one band or a share of it: weights, then table
+inline constexpr uint32_t kGeom = fourCharacters("GEOM");  // texels of the geometry image
+inline constexpr uint32_t kVdim =
+    fourCharacters("VDIM");  // texels of the stored VDIM: reference, then packed
+inline constexpr uint32_t kSurf =
+    fourCharacters("SURF");  // texels of the surface maps: normal, diffuse, specular
+inline constexpr uint32_t kMeta = fourCharacters("META");  // Material::meta_json
+
+inline constexpr uint32_t kFlagCritical = 1;
+inline constexpr uint32_t kCodecStored = 0;
+inline constexpr uint32_t kCodecZstd = 1;
+
+// Bits of the header's `parts` field.
+inline constexpr uint32_t kPartGeometry = 1;
+inline constexpr uint32_t kPartStoredVdim = 2;
+inline constexpr uint32_t kPartSurface = 4;
+
+constexpr uint64_t alignUp(uint64_t offset) {
+  return (offset + AssetLimits::kAlignment - 1) / AssetLimits::kAlignment * AssetLimits::kAlignment;
+}
+
+// One chunk that this version knows; `band` indexes Material::bands for kBand, else -1. A split band, or split surface
+// maps, are two chunks: the leading part (material/model/leading_part.h), and the rest.
+struct Part {
+  enum class Share { kWhole, kLead, kRest };
+  uint32_t type = 0;
+  int band = -1;
+  Share share = Share::kWhole;
+  friend bool operator==(const Part&, const Part&) = default;
+};
+
+// What a material's file holds, in file order: HEAD, the coarsest band, the maps that find p, the finer
+// bands, the surface maps, META. The maps come first of all if even the coarsest band is read at p.
+std::vector<Part> partsOf(const Material& material);
+
+// The first part of a band, or of anything else: the only one if it is not split.
+Part firstPart(const Material& material, uint32_t type, int band = -1);
+
+// The textures that a part is, or is a share of, in order. Empty for kHead and kMeta.
+std::vector<Texture*> partTextures(Material& material, const Part& part);
+std::vector<const Texture*> partTextures(const Material& material, const Part& part);
+
+// Raw bytes that the textures' extents need.
+uint64_t partBytes(const Material& material, const Part& part);
+
+// A part's raw bytes, from textures whose data is complete; and back, into data that is given its full size.
+std::vector<std::byte> gatherTexels(const Material& material, const Part& part);
+void scatterTexels(std::span<const std::byte> raw, const Part& part, Material& material);
+
+}  // namespace loden::asset

@@ -1,0 +1,57 @@
+#include <cstring>
+
+#include "material/asset/asset.h"
+#include "material/asset/asset_content.h"
+
+namespace loden {
+namespace {
+
+using namespace asset;  // NOLINT: this file is the other half of it
+
+// Bytes that the caller keeps.
+class SpanSource final : public ByteSource {
+ public:
+  explicit SpanSource(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  uint64_t size() const override { return bytes_.size(); }
+  Status read(uint64_t offset, std::span<std::byte> into) const override {
+    LODEN_CHECK(offset <= bytes_.size() && into.size() <= bytes_.size() - offset);
+    if (!into.empty()) std::memcpy(into.data(), bytes_.data() + offset, into.size());
+    return {};
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+Result<Material> readWhole(const ByteSource& source, const std::string& name) {
+  return withoutExceptions(name, [&]() -> Result<Material> {
+    IssueList issues(name);
+    Material material = readAll(source, true, issues);
+    if (!issues.empty()) return issues.first();
+    return material;
+  });
+}
+
+}  // namespace
+
+Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name) {
+  return readWhole(SpanSource(bytes), name);
+}
+
+Result<Material> readAsset(const std::filesystem::path& path) {
+  const auto source = openFileSource(path);
+  if (!source) return source.issue();
+  return readWhole(**source, path.string());
+}
+
+std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name) {
+  IssueList issues(name);
+  const Status done = withoutExceptions(name, [&]() -> Status {
+    readAll(SpanSource(bytes), false, issues);
+    return {};
+  });
+  if (!done) issues.add(done.issue());
+  return issues.take();
+}
+
+}  // namespace loden

@@ -1,0 +1,436 @@
+// The lookups. Those of the atlas and of the published map are mirrored name for name by shaders/loden_vdim.glsl; keep the
+// order of operations.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "material/model/vdim.h"
+
+namespace loden {
+namespace {
+
+constexpr int kNewtonSteps = 4;     // inside one patch; they cost no fetch
+constexpr float kReach = 3;         // texels that a search may move by in one patch
+constexpr float kInside = 0.2f;     // texels beyond a patch at which its extension still counts as the surface
+constexpr float kResidual = 0.2f;   // texels between ray and surface, along the plane, at which a search has converged
+constexpr float kBentResidual = 0.1f;  // the same of a bent ray, across it
+constexpr int kPatches = 5;         // that one search visits at most
+// Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
+constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
+constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
+constexpr float kNone = -1e8f;                // below every depth
+constexpr int kAnchors = 6;                   // along a bent ray
+constexpr float kStraight = 0.2f;             // share by which a ray's descent may change on its way down: one anchor will do
+constexpr float kLeastDescent = 0.02f;        // of the straight line that stands for a ray where it turns
+constexpr float kShallow = 0.5f;              // of the depth range: rays that turn below it are not taken to leave again
+
+struct SearchLimits {
+  int layers;
+  int candidates;
+};
+SearchLimits searchLimits(Lookup lookup) {
+  if (lookup == Lookup::kFast) return {1, 5};
+  return {3, 16};
+}
+
+// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent. Where
+// the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h slope from x along
+// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at h = -1 / bend and leaves again.
+template <class T>
+struct ViewRay {
+  glm::vec<2, T> x;      // in [0, 1)^2
+  glm::vec<2, T> slope;  // wo.xy / wo.z, tile periods per tile length
+  glm::vec<2, T> turn;   // K slope, likewise
+  T bend;                // slope^T K slope
+  bool bent;
+
+  T z(T h) const { return h + T(0.5) * bend * h * h; }
+  // h on the way down to z; of its turning point if it never gets there.
+  T height(T z) const { return T(2) * z / (T(1) + std::sqrt(std::max(T(1) + T(2) * bend * z, T(0)))); }
+  // From x to there.
+  glm::vec<2, T> offset(T h) const { return (slope - z(h) * turn) * h; }
+  // Growth with h: of z, and of the offset.
+  T descent(T h) const { return T(1) + bend * h; }
+  bool onItsWayOut(T h) const { return descent(h) < 0; }
+  glm::vec<2, T> drift(T h) const { return slope - (z(h) + descent(h) * h) * turn; }
+};
+
+template <class T>
+ViewRay<T> viewRay(const LocalSurface<T>& surface, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+  const T cosine = std::max(wo.z, T(std::cos(kThetaMax)));
+  const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);
+  const T scale = std::min(T(1), T(std::sin(kThetaMax)) / std::max(sine, T(1e-6)));
+  const glm::vec<2, T> slope = glm::vec<2, T>(wo.x, wo.y) * (scale / cosine);
+  const glm::vec<2, T> turn = surface.curvature * slope;
+  return {x - glm::floor(x), surface.x_from_tangent * slope, surface.x_from_tangent * turn, glm::dot(slope, turn),
+          surface.curvature != glm::mat<2, 2, T>(0)};
+}
+
+// A straight ray that stands for a bent one: at height z it is at x, and level with the bent one's point at h.
+template <class T>
+struct StraightRay {
+  glm::vec<2, T> x, slope;
+  T z = 0, h = 0, h_per_z = 1;
+};
+
+// Through the ray's point at h and in its direction, but for how fast it goes down.
+template <class T>
+StraightRay<T> straightAt(const ViewRay<T>& ray, T h, T descent) {
+  return {ray.x + ray.offset(h), ray.drift(h) / descent, ray.z(h), h, T(1) / descent};
+}
+
+// The tangent, or nearly so where the ray turns.
+template <class T>
+StraightRay<T> tangentRay(const ViewRay<T>& ray, T h) {
+  if (!ray.bent) return {ray.x, ray.slope};
+  const T descent = ray.descent(h);
+  return straightAt(ray, h, ray.onItsWayOut(h) ? std::min(descent, T(-kLeastDescent)) : std::max(descent, T(kLeastDescent)));
+}
+
+// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is read. Elsewhere x alone.
+template <class T>
+struct RayPath {
+  T end;  // h where the ray is below the tile, or above it again
+  int anchors;
+};
+template <class T>
+RayPath<T> rayPath(const ViewRay<T>& ray, T range) {
+  if (!ray.bent) return {-range, 1};
+  const T end = T(2) * ray.bend * range < T(1) ? ray.height(-range) : T(-2) / ray.bend;
+  return {end, ray.bend * end > T(-kStraight) ? 1 : kAnchors};
+}
+
+// What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from each the tangent, but
+// no more grazing than the atlas's views. That is below the ray, and what it meets not behind what the ray meets.
+template <class T>
+StraightRay<T> seedRay(const ViewRay<T>& ray, const RayPath<T>& path, T range, int anchor) {
+  if (path.anchors == 1) {
+    const T z = std::max(T(-0.5) * range, T(-0.45) / std::max(ray.bend, T(1e-6)));
+    return {ray.x, z < 0 ? ray.offset(ray.height(z)) / z : ray.slope};
+  }
+  const T h = path.end * (T(anchor) / T(kAnchors));
+  const glm::vec<2, T> drift = ray.drift(h);
+  return straightAt(ray, h, std::max(ray.descent(h), std::sqrt(glm::dot(drift, drift)) * T(std::cos(kThetaMax) / std::sin(kThetaMax))));
+}
+
+// h of the ray where its straight ray is at the depth z.
+template <class T>
+T seedHeight(const ViewRay<T>& ray, const RayPath<T>& path, const StraightRay<T>& line, T z) {
+  if (!ray.bent) return z;
+  return path.anchors == 1 ? ray.height(z) : std::clamp(line.h + line.h_per_z * (z - line.z), path.end, T(0));
+}
+
+template <class T>
+glm::vec<3, T> viewAlong(glm::vec<2, T> slope) {
+  return glm::vec<3, T>(slope, T(1)) / std::sqrt(T(1) + glm::dot(slope, slope));
+}
+
+// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
+// across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
+template <class T>
+struct NearestLayers {
+  int index[3] = {0, 0, 0};
+  T weight[3] = {1, 0, 0};
+};
+template <class T>
+NearestLayers<T> nearestLayers(int directions, glm::vec<2, T> square) {
+  using V2 = glm::vec<2, T>;
+  const V2 grid = square * T(directions), limit(T(directions) - 1);
+  const V2 cell = glm::clamp(glm::floor(grid), V2(0), limit);
+  const V2 off = grid - cell - T(0.5);
+  const V2 beside = glm::clamp(cell + V2(off.x > 0 ? 1 : -1, off.y > 0 ? 1 : -1), V2(0), limit);
+  const bool x_first = std::abs(off.x) > std::abs(off.y);
+  const V2 first = x_first ? V2(beside.x, cell.y) : V2(cell.x, beside.y);
+  const V2 second = x_first ? V2(cell.x, beside.y) : V2(beside.x, cell.y);
+  const T a = std::min(std::max(std::abs(off.x), std::abs(off.y)), T(0.5));
+  const T b = std::min(std::min(std::abs(off.x), std::abs(off.y)), T(0.5));
+  const auto layer = [&](V2 at) { return static_cast<int>(at.y) * directions + static_cast<int>(at.x); };
+  const T shared = T(0.5) * a * b;
+  return {{layer(cell), layer(first), layer(second)}, {(1 - a) * (1 - b), a - shared, b - shared}};
+}
+
+// z of the four entries around x in one layer: texels (0,0), (1,0), (0,1), (1,1) from the lower left one.
+template <class T>
+glm::vec<4, T> gatherDepths(const VdimAtlas& atlas, int layer, glm::vec<2, T> x) {
+  const int n = atlas.size.texels;
+  const int i = static_cast<int>(std::floor(x.x * T(n) - T(0.5))), j = static_cast<int>(std::floor(x.y * T(n) - T(0.5)));
+  const auto* codes = reinterpret_cast<const uint8_t*>(atlas.depth.data.data()) + static_cast<size_t>(layer) * n * n;
+  const auto z = [&](int ci, int cj) {
+    const T code = T(codes[((cj + n) % n) * n + (ci + n) % n]) / T(255);
+    return (code - T(1)) * T(atlas.geometry.range.z);
+  };
+  return {z(i, j), z(i + 1, j), z(i, j + 1), z(i + 1, j + 1)};
+}
+
+// Parameter of the surface near the point x + slope z.
+template <class T>
+glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) {
+  if (atlas.volume.empty()) return point;
+  const Texture& v = atlas.volume;
+  const glm::vec<2, T> wrapped = point - glm::floor(point);
+  const T slice = std::clamp(z / -T(atlas.geometry.range.z) * T(v.depth), T(0), T(v.depth) - T(0.5));
+  const glm::vec4 d = fetchTexel(v, 0, std::min(static_cast<int>(wrapped.x * T(v.width)), v.width - 1),
+                                 std::min(static_cast<int>(wrapped.y * T(v.height)), v.height - 1),
+                                 static_cast<int>(slice));
+  return point + glm::vec<2, T>(T(d.x), T(d.y)) * T(0.5);
+}
+
+// What a patch says about the ray.
+enum class Meeting { kAway, kNear, kHere };
+
+// Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
+// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo: a ray that turned to the back of
+// the surface is away from what the viewer sees. `h` is where the search is on the ray, before and after; `miss` by how
+// many texels the ray fails to meet a patch that faces it.
+template <class T>
+Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& h,
+                  T& miss) {
+  using V2 = glm::vec<2, T>;
+  const StraightRay<T> line = tangentRay(ray, h);
+  const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - line.slope * (p.z - line.z) - line.x; };
+  const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
+  const V2 q11 = shear(patch.p11) - q00 - q10 - q01;
+  const V2 lower = ab - T(kReach), upper = ab + T(kReach);
+  T det = 0;
+  for (int newton = 0; newton < kNewtonSteps; ++newton) {
+    const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
+    const V2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
+    det = qa.x * qb.y - qa.y * qb.x;
+    const T inverse = T(1) / (std::abs(det) > T(1e-12) ? det : T(1e-12));
+    ab -= V2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse;
+    ab = glm::clamp(ab, lower, upper);
+  }
+  const T z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
+  const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
+  T residual = std::max(std::abs(q.x), std::abs(q.y)) * side;
+  if (patch.chart == 0) return Meeting::kNear;
+  if (ray.bent) {
+    // On to the point of the ray that is nearest along it, and how far that is off across it.
+    using V3 = glm::vec<3, T>;
+    const V2 point = q + line.x + line.slope * (z - line.z) - ray.x;
+    const V3 along(ray.drift(h), ray.descent(h)), on(point - ray.offset(h), z - ray.z(h));
+    if (ray.onItsWayOut(h)) det = -det;
+    h = std::min(h + glm::dot(on, along) / glm::dot(along, along), T(0));
+    const V3 beside(point - ray.offset(h), z - ray.z(h));
+    residual = std::sqrt(glm::dot(beside, beside)) * side * T(kResidual / kBentResidual);
+  } else {
+    h = z;
+  }
+  if (!(det > 0)) return Meeting::kAway;
+  const V2 centred = glm::abs(ab - T(0.5));
+  miss = std::max(std::max(centred.x, centred.y) - T(0.5), residual);
+  const bool here = std::max(centred.x, centred.y) <= T(0.5) + T(kInside) && residual <= T(kResidual);
+  return here ? Meeting::kHere : Meeting::kNear;
+}
+
+// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the ray meets
+// from behind, unless patient. hit gets p and height where it converges, or else of the smallest miss so far, `nearest`.
+template <class T>
+void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T h, glm::vec<2, T> p, bool patient,
+                VdimHit<T>& hit, T& nearest) {
+  using V2 = glm::vec<2, T>;
+  const T n = T(geometry.side());
+  V2 point = ray.x + ray.offset(h);
+  int left = kPatches;
+  do {
+    const V2 texel = p * n - T(0.5), base = glm::floor(texel);
+    V2 ab = texel - base;
+    const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
+    hit.fetches += 1;  // one gather
+    if (ray.bent) point = ray.x + ray.offset(h);
+    const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
+    T miss = T(1e9);
+    const Meeting meeting = meetPatch(patch, shift, ray, n, ab, h, miss);
+    p = (base + ab + T(0.5)) / n;
+    hit.converged = meeting == Meeting::kHere;
+    if (hit.converged || miss < nearest) {
+      hit.p = p + shift;
+      hit.height = h;
+    }
+    nearest = std::min(nearest, miss);
+    left = hit.converged || (meeting == Meeting::kAway && !patient) ? 0 : left - 1;
+  } while (left > 0);
+}
+
+// The depths that a lookup has gathered, as h of the ray.
+template <class T>
+struct Depths {
+  glm::vec<4, T> layer[3];
+  int layers;
+};
+
+// Highest of them below one; below kNone if there is none.
+template <class T>
+T highestBelow(const Depths<T>& depths, T below) {
+  T z = T(-1e9);
+  for (int l = 0; l < depths.layers; ++l)
+    for (int k = 0; k < 4; ++k) z = depths.layer[l][k] < below ? std::max(z, depths.layer[l][k]) : z;
+  return z;
+}
+
+// Mean of the depths at or above `low`, each with its weight: where the topmost surface at x is.
+template <class T>
+T clusterMean(const Depths<T>& depths, T low, glm::vec<2, T> f, const T (&layer_weight)[3]) {
+  using V4 = glm::vec<4, T>;
+  constexpr float kFloor = 0.02f;  // so that a lone entry with weight 0 still counts
+  const V4 spatial = V4((1 - f.x) * (1 - f.y), f.x * (1 - f.y), (1 - f.x) * f.y, f.x * f.y) + T(kFloor);
+  T weight = 0, sum = 0;
+  for (int l = 0; l < depths.layers; ++l)
+    for (int k = 0; k < 4; ++k) {
+      const T w = depths.layer[l][k] >= low ? spatial[k] * layer_weight[l] : T(0);
+      weight += w;
+      sum += depths.layer[l][k] * w;
+    }
+  return sum / std::max(weight, T(1e-9));
+}
+
+// loden_vdim_lookup of the shaders.
+template <class T>
+VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+  const ViewRay<T> ray = viewRay(surface, x, wo);
+  const T range = T(atlas.geometry.range.z);
+  const RayPath<T> path = rayPath(ray, range);
+  const SearchLimits limits = searchLimits(lookup);
+  VdimHit<T> hit;
+  T nearest = T(1e9);
+  const auto search = [&](T h, bool patient) {
+    hit.fetches += atlas.volume.empty() ? 0 : 1;
+    searchFrom(atlas.geometry, ray, h, parameterNear(atlas, ray.x + ray.offset(h), ray.z(h)), patient, hit, nearest);
+  };
+  // Anchor by anchor along the ray; the first search that converges wins.
+  int anchor = 0;
+  do {
+    const StraightRay<T> line = seedRay(ray, path, range, anchor);
+    const NearestLayers<T> layers = nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(line.slope)));
+    glm::vec<2, T> entry = line.x - line.slope * line.z;  // where it meets the plane
+    if (ray.bent) entry -= glm::floor(entry);
+    Depths<T> depths{{}, limits.layers};
+    for (int l = 0; l < limits.layers; ++l) {
+      const glm::vec<4, T> z = gatherDepths(atlas, layers.index[l], entry);
+      for (int k = 0; k < 4; ++k) depths.layer[l][k] = seedHeight(ray, path, line, z[k]);
+    }
+    hit.fetches += limits.layers;
+    // First the blended depth of the topmost surface, at the first anchor; then single depths from the one nearest to the viewer down;
+    // then, where there is no other anchor, these once more with patience.
+    const T top = highestBelow(depths, T(1));
+    const T depth = range * line.h_per_z;  // codes are as far apart in h as they are in it
+    T h = top, below = top - T(kSeparation) * depth;
+    if (anchor == 0) {
+      const glm::vec<2, T> f = glm::fract(entry * T(atlas.size.texels) - T(0.5));
+      h = clusterMean(depths, top - T(kCluster) * depth, f, layers.weight);
+      below = T(1);
+      // Where no patch faces the ray the blended depth is near.
+      hit.p = parameterNear(atlas, ray.x + ray.offset(h), ray.z(h));
+      hit.height = h;
+    }
+    bool patient = false;
+    int left = limits.candidates;
+    do {
+      search(h, patient);
+      const T next = highestBelow(depths, below);
+      const bool exhausted = next < T(kNone);
+      left = hit.converged || (exhausted && (patient || path.anchors > 1)) ? 0 : left - 1;
+      patient = patient || exhausted;
+      h = exhausted ? top : next;
+      below = h - T(kSeparation) * depth;
+    } while (left > 0);
+    ++anchor;
+  } while (!hit.converged && anchor < path.anchors);
+  const T turning = T(-0.5) / std::max(ray.bend, T(1e-6));
+  hit.missed = !hit.converged && path.anchors > 1 && turning > T(-kShallow) * range;
+  const glm::vec<2, T> base = glm::floor(x);
+  hit.p += base;
+  hit.offset = ray.offset(hit.height);
+  hit.position = glm::vec<3, T>(ray.x + hit.offset + base, ray.z(hit.height));
+  return hit;
+}
+
+// loden_paper_vdim_lookup of the shaders.
+template <class T>
+VdimHit<T> paperLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+  using V2 = glm::vec<2, T>;
+  const V2 base = glm::floor(x);
+  const V2 texel = glm::min(glm::floor((x - base) * T(vdim.side)), V2(T(vdim.side) - 1));
+  const V2 reference = V2(nearestRepeat(vdim.reference, 0, 0, V2((texel + T(0.5)) / T(vdim.side)))) * T(vdim.range.x);
+  // Not by acos, which GPUs compute to 1e-4 only: entries of neighbouring views may be whole periods apart.
+  const T theta = std::min(std::atan2(std::sqrt(wo.x * wo.x + wo.y * wo.y), wo.z), T(kThetaMax));
+  T phi = wo.x == 0 && wo.y == 0 ? T(0) : std::atan2(wo.y, wo.x);
+  if (phi < 0) phi += T(2 * kPi);
+  const V2 size(T(vdim.azimuths), T(vdim.zeniths));
+  // FBTF 3.5 leaves open which alpha and beta keep texels' blocks apart: (n - 1) / n and 1 / (2n), here in texels.
+  const V2 within = V2(phi / T(2 * kPi), theta / T(kThetaMax)) * (size - T(1)) + T(0.5);
+  const V2 uv = (texel * size + within) / (T(vdim.side) * size);
+  const glm::vec<4, T> entry = sampleRepeat(vdim.packed, 0, 0, uv);
+  const V2 direction(entry.x, entry.y);
+  const T length = std::sqrt(glm::dot(direction, direction));
+  VdimHit<T> hit;
+  hit.p = x + reference + (length > T(1e-6) ? direction / length : V2(0)) * (entry.z * T(vdim.range.y));
+  hit.fetches = 2;
+  return hit;
+}
+
+template <class T>
+VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+  const ViewRay<T> ray = viewRay({glm::mat<2, 2, T>(0), surface.x_from_tangent}, x, wo);
+  const glm::vec<2, T> base = glm::floor(x);
+  VdimHit<T> hit;
+  hit.p = x, hit.position = {x, T(0)};
+  const auto found = tracer.traceView(glm::dvec2(ray.x), glm::dvec3(viewAlong(ray.slope)));
+  if (!found) return hit;
+  hit.converged = true;
+  hit.height = T(found->position.z);
+  hit.offset = ray.offset(hit.height);
+  hit.position = glm::vec<3, T>(ray.x + hit.offset + base, hit.height);
+  hit.p = glm::vec<2, T>(found->p) + base;
+  return hit;
+}
+
+}  // namespace
+
+std::string_view lookupName(Lookup lookup) {
+  switch (lookup) {
+    case Lookup::kNone: return "none";
+    case Lookup::kPaper: return "paper";
+    case Lookup::kFast: return "fast";
+    case Lookup::kDefault: return "default";
+    case Lookup::kQuality: return "quality";
+  }
+  return "unknown";
+}
+
+std::optional<Lookup> lookupNamed(std::string_view name) {
+  for (const Lookup lookup : kLookups)
+    if (lookupName(lookup) == name) return lookup;
+  return std::nullopt;
+}
+
+bool VdimMaps::serve(Lookup lookup) const {
+  switch (lookup) {
+    case Lookup::kNone: return false;
+    case Lookup::kPaper: return paper != nullptr;
+    case Lookup::kFast:
+    case Lookup::kDefault: return atlas != nullptr;
+    case Lookup::kQuality: return tracer != nullptr;
+  }
+  return false;
+}
+
+template <class T>
+VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+  if (maps.serve(lookup)) switch (lookup) {
+      case Lookup::kNone: break;
+      case Lookup::kPaper: return paperLookup(*maps.paper, x, wo);
+      case Lookup::kFast:
+      case Lookup::kDefault: return atlasLookup(*maps.atlas, lookup, x, wo, surface);
+      case Lookup::kQuality: return tracedLookup(*maps.tracer, x, wo, surface);
+    }
+  VdimHit<T> hit;
+  hit.p = x, hit.position = {x, T(0)};
+  return hit;
+}
+
+template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&, const LocalSurface<float>&);
+template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&, const LocalSurface<double>&);
+
+}  // namespace loden

@@ -1,0 +1,99 @@
+#include "material/model/leading_part.h"
+
+#include <algorithm>
+
+#include "material/model/environment.h"
+
+namespace loden {
+namespace {
+
+// Without texels.
+Texture described(const Texture& t, int width, int height, int depth, int mips) {
+  return {t.format, t.shape, width, height, depth, mips, {}};
+}
+
+// Appends layers [first, first + count) of one mip.
+void appendLayers(const Texture& from, int mip, int first, int count, std::vector<std::byte>& into) {
+  const size_t layer = from.mipBytes(mip) / size_t(from.depth);
+  const auto begin = from.data.begin() + ptrdiff_t(from.mipOffset(mip) + size_t(first) * layer);
+  into.insert(into.end(), begin, begin + ptrdiff_t(size_t(count) * layer));
+}
+
+Texture tailOf(const Texture& map, int mip) {
+  Texture tail = described(map, map.mipWidth(mip), map.mipHeight(mip), map.depth, map.mips - mip);
+  if (!map.empty()) tail.data.assign(map.data.begin() + ptrdiff_t(map.mipOffset(mip)), map.data.end());
+  return tail;
+}
+
+}  // namespace
+
+Band leadOf(const Band& band) {
+  if (band.lead_quads == 0) return band;
+  Band lead;
+  lead.domain = band.domain;
+  lead.filter = band.filter;
+  lead.layout = band.layout;
+  lead.window = band.window;
+  lead.lambda_first = band.lambda_first;
+  lead.y_quads = band.lead_quads;
+  lead.ratio = band.ratio;
+  lead.quad_scale.assign(band.quad_scale.begin(), band.quad_scale.begin() + band.lead_quads);
+  lead.ratio_scale = band.ratio_scale;
+  const Texture &weights = band.weights, &table = band.table;
+  const int slices = table.depth / band.quads() * band.lead_quads;
+  lead.weights = described(weights, weights.width, weights.height, lead.layers(), weights.mips);
+  lead.table = described(table, table.width, table.height, slices, 1);
+  for (int mip = 0; mip < weights.mips && !weights.empty(); ++mip) {
+    appendLayers(weights, mip, 0, band.lead_quads, lead.weights.data);
+    if (band.ratio) appendLayers(weights, mip, band.quads(), 1, lead.weights.data);
+  }
+  if (!table.empty()) appendLayers(table, 0, 0, slices, lead.table.data);
+  return lead;
+}
+
+SurfaceMaps tailOf(const SurfaceMaps& maps) {
+  SurfaceMaps tail;
+  tail.normal = tailOf(maps.normal, maps.tail_mip);
+  tail.diffuse = tailOf(maps.diffuse, maps.tail_mip);
+  tail.specular = tailOf(maps.specular, maps.tail_mip);
+  tail.specular_scale = maps.specular_scale;
+  tail.lambda_first = maps.lambda_first + float(maps.tail_mip);
+  return tail;
+}
+
+uint64_t gpuBytes(const Band& band) {
+  const uint64_t light_table = band.light_quads > 0 ? textureBytes(band.light_table) : 0;
+  return textureBytes(band.weights) + textureBytes(band.table) + light_table + environmentTableBytes(band);
+}
+uint64_t gpuBytes(const SurfaceMaps& maps) { return textureBytes(maps.normal) + textureBytes(maps.diffuse) + textureBytes(maps.specular); }
+
+void splitLeadingParts(Material& material) {
+  if (!material.bands.empty() && material.bands.back().domain == Domain::kReference) {
+    Band& band = material.bands.back();
+    const auto fits = [&](int quads) {
+      band.lead_quads = quads;
+      return gpuBytes(leadOf(band)) <= kLeadingPartBytes;
+    };
+    int lead = 0;
+    if (gpuBytes(band) > kLeadingPartBytes)
+      while (lead < band.y_quads && lead + 1 < band.quads() && fits(lead + 1)) ++lead;
+    band.lead_quads = lead;
+  }
+  if (material.surface) {
+    SurfaceMaps& maps = *material.surface;
+    const int last = std::min({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1;
+    maps.tail_mip = 0;
+    while (maps.tail_mip < last && gpuBytes(tailOf(maps)) > kLeadingPartBytes) ++maps.tail_mip;
+    if (gpuBytes(tailOf(maps)) > kLeadingPartBytes) maps.tail_mip = 0;
+  }
+}
+
+uint64_t leadingPartBytes(const Material& material) {
+  uint64_t bytes = 0;
+  for (const Band& band : material.bands)
+    if (band.lead_quads > 0) bytes += gpuBytes(leadOf(band));
+  if (material.surface && material.surface->tail_mip > 0) bytes += gpuBytes(tailOf(*material.surface));
+  return bytes;
+}
+
+}  // namespace loden

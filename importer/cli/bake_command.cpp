@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "importer/bake.h"
-#include "importer/baked_files.h"
-#include "importer/btf_source.h"
+#include "importer/bake/bake.h"
+#include "importer/btf/baked_files.h"
+#include "importer/btf/btf_source.h"
 #include "importer/cli/output.h"
-#include "importer/measured/bonn_folder.h"
-#include "importer/repair_log.h"
+#include "importer/btf/measured/bonn_folder.h"
+#include "importer/base/repair_log.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {

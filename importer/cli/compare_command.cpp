@@ -6,8 +6,8 @@
 
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
-#include "importer/compare.h"
-#include "importer/file_read.h"
+#include "importer/btf/compare.h"
+#include "importer/base/file_read.h"
 #include "material/asset/asset.h"
 
 namespace loden::importer {

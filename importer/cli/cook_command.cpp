@@ -6,9 +6,9 @@
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
-#include "importer/cook.h"
-#include "importer/measured/measured.h"
-#include "importer/repair_log.h"
+#include "importer/cook/cook.h"
+#include "importer/btf/measured/measured.h"
+#include "importer/base/repair_log.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
 

@@ -8,7 +8,7 @@
 
 #include "importer/cli/output.h"
 #include "importer/cli/sibling_program.h"
-#include "importer/doctor.h"
+#include "importer/base/doctor.h"
 
 extern char** environ;
 

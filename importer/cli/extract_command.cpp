@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "importer/btf_source.h"
+#include "importer/btf/btf_source.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
-#include "importer/file_read.h"
-#include "importer/packed_lod.h"
-#include "importer/picture.h"
+#include "importer/base/file_read.h"
+#include "importer/btf/packed_lod.h"
+#include "importer/base/picture.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
 

@@ -5,7 +5,7 @@
 
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
-#include "importer/file_read.h"
+#include "importer/base/file_read.h"
 #include "material/asset/asset.h"
 #include "material/model/environment.h"
 #include "material/base/issues.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/cli/interrupt.h"
-#include "importer/repair_log.h"
+#include "importer/base/repair_log.h"
 #include "material/system/atomic_file.h"
 #include "material/model/directions.h"
 #include "material/base/issues.h"

@@ -3,7 +3,7 @@
 
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
-#include "importer/pack.h"
+#include "importer/gltf/pack.h"
 #include "material/model/directions.h"
 
 namespace loden::importer {

@@ -3,8 +3,8 @@
 
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
-#include "importer/file_read.h"
-#include "importer/trace.h"
+#include "importer/base/file_read.h"
+#include "importer/trace/trace.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {

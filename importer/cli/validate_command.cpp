@@ -4,8 +4,8 @@
 
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
-#include "importer/file_read.h"
-#include "importer/pack.h"
+#include "importer/base/file_read.h"
+#include "importer/gltf/pack.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
 

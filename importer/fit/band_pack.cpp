@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/charts.h"
+#include "importer/tile/charts.h"
 #include "importer/fit/grid_table.h"
 #include "importer/fit/light_factor.h"
 #include "importer/fit/ycc_btf.h"

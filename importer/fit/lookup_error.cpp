@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/parallel.h"
-#include "importer/random.h"
+#include "importer/base/parallel.h"
+#include "importer/base/random.h"
 #include "material/model/geometry_image.h"
 
 namespace loden::importer {

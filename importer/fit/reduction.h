@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "importer/parallel.h"
+#include "importer/base/parallel.h"
 
 namespace loden::importer {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "importer/btf_source.h"
+#include "importer/btf/btf_source.h"
 #include "importer/fit/matrix.h"
 
 namespace loden::importer {

@@ -8,13 +8,13 @@
 #include <mutex>
 #include <optional>
 
-#include "importer/baked_files.h"
-#include "importer/parallel.h"
-#include "importer/picture.h"
-#include "importer/progress.h"
+#include "importer/btf/baked_files.h"
+#include "importer/base/parallel.h"
+#include "importer/base/picture.h"
+#include "importer/base/progress.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
-#include "importer/tile_tracer.h"
+#include "importer/tile/tile_tracer.h"
 #include "material/model/color.h"
 
 namespace loden::importer {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "importer/parallel.h"
+#include "importer/base/parallel.h"
 #include "material/base/check.h"
 #include "material/model/vdim.h"
 

@@ -10,15 +10,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/bent_tiles.h"
-#include "importer/fit/atlas_choice.h"
+#include "importer/trace/bent_tiles.h"
+#include "importer/cook/atlas_choice.h"
 #include "importer/fit/lookup_error.h"
-#include "importer/fit/modes.h"
-#include "importer/parallel.h"
-#include "importer/progress.h"
-#include "importer/random.h"
+#include "importer/cook/modes.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
+#include "importer/base/random.h"
 #include "importer/study/study.h"
-#include "importer/tile_tracer.h"
+#include "importer/tile/tile_tracer.h"
 #include "material/model/vdim.h"
 
 namespace loden::importer {

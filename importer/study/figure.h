@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "importer/picture.h"
+#include "importer/base/picture.h"
 
 namespace loden::importer {
 

@@ -17,14 +17,14 @@
 #include <optional>
 
 #include "importer/fit/paper_vdim.h"
-#include "importer/metrics.h"
-#include "importer/parallel.h"
-#include "importer/progress.h"
-#include "importer/random.h"
+#include "importer/base/metrics.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
+#include "importer/base/random.h"
 #include "importer/study/figure.h"
 #include "importer/study/ring_interpolation.h"
 #include "importer/study/study.h"
-#include "importer/tile_tracer.h"
+#include "importer/tile/tile_tracer.h"
 
 namespace loden::importer {
 namespace {

@@ -13,14 +13,14 @@
 #include <functional>
 #include <optional>
 
-#include "importer/fit/atlas_choice.h"
+#include "importer/cook/atlas_choice.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/flat_fit.h"
-#include "importer/fit/fused_plan.h"
-#include "importer/fit/modes.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/modes.h"
 #include "importer/fit/ratio_fit.h"
-#include "importer/parallel.h"
-#include "importer/progress.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
 #include "importer/study/study_tile.h"
 #include "material/model/color.h"
 #include "material/eval/evaluate.h"

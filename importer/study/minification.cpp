@@ -2,12 +2,12 @@
 // x 2^lambda texels around x, at sampled pairs. "point" is the finest level read there without any level of detail.
 #include <cmath>
 
-#include "importer/cook.h"
-#include "importer/fit/fused_plan.h"
-#include "importer/fit/modes.h"
-#include "importer/parallel.h"
-#include "importer/progress.h"
-#include "importer/random.h"
+#include "importer/cook/cook.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/modes.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
+#include "importer/base/random.h"
 #include "importer/study/plot.h"
 #include "importer/study/study_tile.h"
 #include "material/model/color.h"

@@ -5,9 +5,9 @@
 // split   components of shading, times clamp(V(p, wi)) in components whose table knows only the light.
 // Both as stored in 8 bits, through the shader's default lookup; bytes are those of the flat band: the coarse band and the
 // geometry image are left out, as they are the same.
-#include "importer/fit/fused_plan.h"
-#include "importer/fit/modes.h"
-#include "importer/progress.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/modes.h"
+#include "importer/base/progress.h"
 #include "importer/study/study_tile.h"
 #include "material/eval/evaluate.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "importer/bake_folder.h"
-#include "importer/baked_files.h"
-#include "importer/tile.h"
+#include "importer/bake/bake_folder.h"
+#include "importer/btf/baked_files.h"
+#include "importer/tile/tile.h"
 
 namespace loden::importer {
 

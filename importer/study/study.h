@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "importer/bake.h"
-#include "importer/baked_output.h"
+#include "importer/bake/bake.h"
+#include "importer/btf/baked_output.h"
 #include "material/base/result.h"
 
 namespace loden::importer {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "importer/btf_source.h"
+#include "importer/btf/btf_source.h"
 #include "importer/fit/ycc_btf.h"
 #include "importer/study/study.h"
 

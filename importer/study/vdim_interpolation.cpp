@@ -11,17 +11,17 @@
 #include <functional>
 #include <memory>
 
-#include "importer/bake_scene.h"
-#include "importer/fit/atlas_choice.h"
+#include "importer/bake/bake_scene.h"
+#include "importer/cook/atlas_choice.h"
 #include "importer/fit/lookup_error.h"
 #include "importer/fit/paper_vdim.h"
-#include "importer/parallel.h"
-#include "importer/progress.h"
-#include "importer/random.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
+#include "importer/base/random.h"
 #include "importer/study/cone_map.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
-#include "importer/tile_tracer.h"
+#include "importer/tile/tile_tracer.h"
 #include "material/model/vdim.h"
 
 namespace loden::importer {

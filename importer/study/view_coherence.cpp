@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "importer/parallel.h"
-#include "importer/progress.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "material/model/color.h"

@@ -19,9 +19,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "importer/bake.h"
-#include "importer/bake_scene.h"
-#include "importer/surface_samples.h"
+#include "importer/bake/bake.h"
+#include "importer/bake/bake_scene.h"
+#include "importer/bake/surface_samples.h"
 #include "material/model/vdim.h"
 
 namespace loden::importer {

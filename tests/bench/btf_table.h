@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "importer/baked_output.h"
+#include "importer/btf/baked_output.h"
 #include "runtime/gl_objects.h"
 
 namespace loden::bench {

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <glm/gtc/constants.hpp>
 
-#include "importer/cook.h"
+#include "importer/cook/cook.h"
 #include "importer/study/study.h"
 #include "material/asset/asset.h"
 #include "runtime/mesh_analytic.h"

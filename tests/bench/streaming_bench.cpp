@@ -12,7 +12,7 @@
 #include <map>
 #include <thread>
 
-#include "importer/flip.h"
+#include "importer/base/flip.h"
 #include "material/asset/asset.h"
 #include "runtime/material_data.h"
 #include "runtime/material_parts.h"

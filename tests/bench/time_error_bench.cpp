@@ -15,14 +15,14 @@
 #include <cstdlib>
 #include <optional>
 
-#include "importer/cook.h"
-#include "importer/flip.h"
-#include "importer/fit/goal.h"
-#include "importer/fit/modes.h"
-#include "importer/metrics.h"
-#include "importer/parallel.h"
+#include "importer/cook/cook.h"
+#include "importer/base/flip.h"
+#include "importer/cook/goal.h"
+#include "importer/cook/modes.h"
+#include "importer/base/metrics.h"
+#include "importer/base/parallel.h"
 #include "importer/study/study.h"
-#include "importer/tile_tracer.h"
+#include "importer/tile/tile_tracer.h"
 #include "material/asset/asset.h"
 #include "material/system/atomic_file.h"
 #include "runtime/shader_variants.h"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "importer/pack.h"
+#include "importer/gltf/pack.h"
 #include "runtime/gltf_scene.h"
 
 namespace {

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <random>
 
-#include "importer/bake.h"
-#include "importer/cook.h"
+#include "importer/bake/bake.h"
+#include "importer/cook/cook.h"
 #include "material/asset/asset.h"
 #include "material/eval/evaluate.h"
 #include "runtime/device.h"

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "importer/picture.h"
+#include "importer/base/picture.h"
 
 namespace {
 

@@ -7,10 +7,10 @@
 #include <random>
 
 #include "importer/fit/coarse_fit.h"
-#include "importer/fit/goal.h"
+#include "importer/cook/goal.h"
 #include "importer/fit/grid_table.h"
-#include "importer/fit/meta.h"
-#include "importer/fit/modes.h"
+#include "importer/cook/meta.h"
+#include "importer/cook/modes.h"
 #include "material/eval/evaluate.h"
 #include "material/base/issues.h"
 #include "tests/unit/fit_synthetic.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "importer/fit/modes.h"
+#include "importer/cook/modes.h"
 #include "material/eval/evaluate.h"
 #include "tests/unit/fit_synthetic.h"
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "importer/btf_source.h"
+#include "importer/btf/btf_source.h"
 
 namespace loden::importer {
 

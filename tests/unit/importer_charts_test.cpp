@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <set>
 
-#include "importer/bake.h"
-#include "importer/charts.h"
-#include "importer/fit/modes.h"
-#include "importer/push_pull.h"
-#include "importer/random.h"
-#include "importer/tile_tracer.h"
+#include "importer/bake/bake.h"
+#include "importer/tile/charts.h"
+#include "importer/cook/modes.h"
+#include "importer/bake/push_pull.h"
+#include "importer/base/random.h"
+#include "importer/tile/tile_tracer.h"
 #include "importer_meshes.h"
 
 namespace loden::importer {

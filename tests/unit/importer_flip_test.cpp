@@ -1,12 +1,12 @@
 // FLIP against values of the authors' own implementation (NVIDIA FLIP 1.6), and metrics against closed form.
-#include "importer/flip.h"
+#include "importer/base/flip.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "importer/metrics.h"
+#include "importer/base/metrics.h"
 
 namespace loden::importer {
 namespace {

@@ -1,10 +1,10 @@
 // The GGX lobe: furnace, reciprocity, energy, and through a whole bake.
 #include <gtest/gtest.h>
 
-#include "importer/bake.h"
-#include "importer/local_brdf.h"
-#include "importer/mesh_material.h"
-#include "importer/random.h"
+#include "importer/bake/bake.h"
+#include "importer/tile/local_brdf.h"
+#include "importer/tile/mesh_material.h"
+#include "importer/base/random.h"
 #include "importer_meshes.h"
 
 namespace loden::importer {

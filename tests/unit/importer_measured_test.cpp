@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "importer/cook.h"
-#include "importer/measured/bonn_folder.h"
-#include "importer/measured/btf_color.h"
-#include "importer/measured/btf_file.h"
-#include "importer/repair_log.h"
+#include "importer/cook/cook.h"
+#include "importer/btf/measured/bonn_folder.h"
+#include "importer/btf/measured/btf_color.h"
+#include "importer/btf/measured/btf_file.h"
+#include "importer/base/repair_log.h"
 #include "material/base/issues.h"
 #include "tests/unit/btf_writer.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "importer/gltf/gltf_document.h"
-#include "importer/tile.h"
+#include "importer/tile/tile.h"
 #include "material/model/directions.h"
 
 namespace loden::importer::testing {

@@ -6,11 +6,11 @@
 #include <numeric>
 
 #include "fit_synthetic.h"
-#include "importer/bake.h"
-#include "importer/baked_files.h"
-#include "importer/cook.h"
-#include "importer/image_file.h"
-#include "importer/repair_log.h"
+#include "importer/bake/bake.h"
+#include "importer/btf/baked_files.h"
+#include "importer/cook/cook.h"
+#include "importer/base/image_file.h"
+#include "importer/base/repair_log.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "importer/panorama_lights.h"
-#include "importer/random.h"
-#include "importer/trace.h"
+#include "importer/trace/panorama_lights.h"
+#include "importer/base/random.h"
+#include "importer/trace/trace.h"
 #include "tests/unit/panoramas.h"
 
 namespace loden::importer {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/bake.h"
-#include "importer/bake_scene.h"
-#include "importer/charts.h"
-#include "importer/random.h"
-#include "importer/surface_samples.h"
+#include "importer/bake/bake.h"
+#include "importer/bake/bake_scene.h"
+#include "importer/tile/charts.h"
+#include "importer/base/random.h"
+#include "importer/bake/surface_samples.h"
 #include "importer_meshes.h"
 
 namespace loden::importer {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "importer/mesh_repair.h"
-#include "importer/parameterize.h"
-#include "importer/periodic_mesh.h"
+#include "importer/tile/file/mesh_repair.h"
+#include "importer/mesh/parameterize.h"
+#include "importer/mesh/periodic_mesh.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
 

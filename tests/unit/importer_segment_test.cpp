@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <set>
 
-#include "importer/charts.h"
-#include "importer/segment.h"
-#include "importer/tile_tracer.h"
+#include "importer/tile/charts.h"
+#include "importer/mesh/segment.h"
+#include "importer/tile/tile_tracer.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "importer/bake_folder.h"
-#include "importer/bent_tiles.h"
-#include "importer/tile_tracer.h"
+#include "importer/bake/bake_folder.h"
+#include "importer/trace/bent_tiles.h"
+#include "importer/tile/tile_tracer.h"
 #include "importer_meshes.h"
 #include "material/model/color.h"
 #include "material/base/issues.h"

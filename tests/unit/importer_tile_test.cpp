@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "importer/parameterize.h"
-#include "importer/weld.h"
+#include "importer/mesh/parameterize.h"
+#include "importer/mesh/weld.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
 

@@ -1,0 +1,52 @@
+// Values of an input that are not finite: what was found, and on demand repaired, so that it can be reported.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+
+#include "importer/btf/btf_source.h"
+
+namespace loden::importer {
+
+// Repairs of one input, over all its maps. Thread safe.
+class RepairLog {
+ public:
+  // `count` values or vertices of the part were repaired, the first of them at `first`. A part that is read again
+  // counts once. Parts are reported in the order of their names.
+  void add(const std::string& part, uint64_t count, const std::string& first);
+  uint64_t count() const;
+  std::string first() const;  // "part: place"; empty if nothing was repaired
+
+ private:
+  struct Entry {
+    uint64_t count = 0;
+    std::string first;
+  };
+  mutable std::mutex mutex_;
+  std::map<std::string, Entry> entries_;
+};
+
+// A periodic map or a stack of them: values are [layer][row][column][channel].
+struct MapShape {
+  int layers = 1, width = 0, height = 0, channels = 1;
+};
+struct NonFinite {
+  uint64_t count = 0;
+  size_t first = 0;  // index of the first value; meaningless if count is 0
+};
+NonFinite findNonFinite(std::span<const float> values);
+// "light 3, texel (4, 5)": `layer` names what the layers are; empty: there is one.
+std::string placeOf(size_t index, const MapShape& shape, const std::string& layer);
+// Each value that is not finite becomes the mean of the finite ones of its layer and channel among its eight
+// neighbours (the map wraps around), from the border of a damaged area inwards; 0 if the layer has none.
+// What was there before comes back.
+NonFinite repairNonFinite(std::span<float> values, const MapShape& shape);
+
+// The source, repaired view by view and noted in the log. Colours that are not finite are replaced channel by channel.
+std::unique_ptr<BtfSource> repairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log);
+
+}  // namespace loden::importer

@@ -1,0 +1,39 @@
+// From a baked output to a material: the fits of both papers and their combination.
+#pragma once
+
+#include <string>
+
+#include "importer/btf/baked_output.h"
+#include "importer/btf/btf_source.h"
+#include "material/model/material.h"
+#include "material/base/result.h"
+
+namespace loden::importer {
+
+enum class Preset { kSeed, kGame, kReference };
+
+// Where cast shadows are, in mode fused.
+enum class Shadows {
+  kJoint,  // in the components of the bands
+  kSplit,  // in a light factor of the flat band, a map of its own (FBTF section 5)
+};
+
+struct CookOptions {
+  Mode mode = Mode::kFused;
+  Preset preset = Preset::kGame;
+  int y_components = 0, cb_components = 0, cr_components = 0;  // all 0: the preset's
+  Shadows shadows = Shadows::kJoint;
+  int light_components = 0;  // of kSplit; 0: the preset's, or what a goal leaves room for
+  int levels = 0;            // 0: the preset's
+  uint64_t max_bytes = 0;    // goal; 0: none. Bytes of all raw data in the file
+  double target_rmse = 0;    // goal on Y, white = 1; 0: none
+  int threads = 0;
+  bool quiet = false;
+};
+
+// Deterministic at any number of threads. Options that the mode would ignore are refused (kOption).
+Result<Material> cook(const BakedOutput& input, const CookOptions& options);
+// A BTF without meso-geometry, for example a measured one: mode lod only.
+Result<Material> cook(const BtfSource& input, const CookOptions& options);
+
+}  // namespace loden::importer

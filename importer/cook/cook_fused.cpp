@@ -1,0 +1,265 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "importer/tile/charts.h"
+#include "importer/fit/ambient_fit.h"
+#include "importer/fit/band_fit.h"
+#include "importer/fit/coarse_fit.h"
+#include "importer/fit/flat_fit.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/goal.h"
+#include "importer/fit/grid_table.h"
+#include "importer/fit/light_factor.h"
+#include "importer/cook/meta.h"
+#include "importer/cook/modes.h"
+#include "importer/fit/ratio_fit.h"
+#include "importer/base/progress.h"
+#include "material/eval/evaluate.h"
+#include "material/model/leading_part.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kFullPhis = 25;  // from here on the grid can give back every sample of Bonn's rings
+// Averages over the tile's surface are not averages over what a view sees of it: at lambda 1 the unfiltered maps are
+// closer to the truth than their mip 1, and half way between is the closest.
+constexpr float kFlatFirst = 0.5f;
+constexpr int kFlatMips = 2;   // to lambda 1.5; at 2 the reference-domain band has taken over
+constexpr float kCrossFadeBegin = 1, kCrossFadeEnd = 2;
+constexpr int kChromaSweeps = 2;
+
+// A single texel is its own average.
+bool hasCoarseBand(const FusedPlan& plan, int side) { return plan.coarse_y > 0 && plan.levels != 1 && side > 1; }
+int flatMips(const FusedPlan& plan, int flat_side) { return plan.levels == 1 ? 1 : std::min(kFlatMips, fullMipCount(flat_side, flat_side)); }
+int coarseMips(const FusedPlan& plan, int half) {
+  const int all = fullMipCount(half, half);
+  return plan.levels == 0 ? all : std::min(plan.levels - 1, all);
+}
+
+// What the fits of both bands share.
+struct FusedInput {
+  const BtfSource& source;
+  const YccBtf& btf;
+  const Material& material;  // mean and geometry are set
+  Matrix means;              // of each image, (views * lights) x 3
+  Matrix mean;               // the fitted mean at the samples, of the same shape
+  int threads;
+};
+
+// One channel under a light factor: what V times the band's own value has to come to.
+ColumnBlocks factoredBlocks(const FusedInput& in, int channel, const Factors& light, const Indirection& a) {
+  ColumnBlocks b = channelBlocks(in.btf, channel);
+  b.factor = [&light, &a](int v, Matrix& into) { readLightFactor(light, a, v, into); };
+  b.read = [&in, channel, factor = b.factor](int v, Matrix& into) {
+    Matrix lit;
+    factor(v, lit);
+    in.btf.read(channel, v, into);
+    for (int l = 0; l < into.cols; ++l)
+      for (int t = 0; t < into.rows; ++t) into(t, l) -= lit(t, l) * in.mean(v * in.btf.lights() + l, channel);
+  };
+  return b;
+}
+
+// Cb and Cr of the fine band beyond a ratio to the luma that results.
+void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan, const DirectionGrid& grid, const ColumnBlocks& luma,
+                   const ColumnBlocks& like, FlatFitOptions fit, BandFactors& factors) {
+  fit.components = plan.chroma_components;
+  fit.sweeps = kChromaSweeps;
+  for (const int channel : {1, 2}) {
+    ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
+    rest.factor = like.factor;
+    Factors& f = channel == 1 ? factors.cb : factors.cr;
+    f.weights = quantisedWeights(fitFlat(rest, a, fit).factors.weights, plan.storage);
+    f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(), in.source.views(), in.threads)
+                              : solveBasis(rest, a, f.weights, in.threads);
+  }
+}
+
+// The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored, then
+// chroma as a ratio to the Y that results, and what that leaves where components are given for it; all of it under a
+// light factor if the plan has one, which the geometry image gives.
+Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
+  const DirectionSet &lights = in.source.lights(), &views = in.source.views();
+  const DirectionGrid grid = gridFor(lights, 6, plan.phis);
+  BandFactors factors;
+  factors.side = flatSide(plan, in.btf.side());
+  const DirectionGrid light_grid = lightFactorGrid(lights);
+  Factors light;  // at the samples
+  if (plan.light_components > 0) {
+    factors.light = fitLightFactor(lightVisibility(in.material.geometry, factors.side, light_grid, in.threads), plan.light_components, plan.storage, in.threads);
+    light = lightFactorAt(factors.light, light_grid, lights);
+  }
+  const bool factored = plan.light_components > 0;
+  const ColumnBlocks luma = factored ? factoredBlocks(in, 0, light, a) : centredBlocks(in.btf, 0, in.mean);
+  FlatFitOptions fit;
+  fit.components = plan.y_components;
+  fit.sweeps = plan.sweeps;
+  fit.owners = chartOwners(flatSide(plan, in.btf.side()), in.material.geometry);
+  fit.threads = in.threads;
+  const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, plan.storage);
+  factors.on_grid = plan.phis < kFullPhis;
+  Factors at_samples{weights, {}};
+  if (factors.on_grid) {
+    const Matrix table = solveGridBasis(luma, a, weights, grid, lights, views, in.threads);
+    factors.y = {weights, table};
+    at_samples.basis = mapTables(table, gridSampling(grid, lights), gridSampling(grid, views));
+  } else {
+    at_samples.basis = solveBasis(luma, a, weights, in.threads);
+    factors.y = at_samples;
+  }
+  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a, factored ? &light : nullptr);
+  factors.ratio = {fitRatios(in.btf, whole, in.material.mean, a, in.threads)};
+  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, luma, fit, factors);
+  const int mips = flatMips(plan, factors.side);
+  const PackOptions pack{TableLayout::kGrid, plan.storage, grid, mips, 0, light_grid, fit.owners};
+  Band band = packBand(factors, lights, views, pack);
+  if (factored) storeAmbient(band, ambientWeights(in.material, band, in.threads), pack);
+  band.domain = Domain::kFlat;
+  band.lambda_first = kFlatFirst;
+  if (hasCoarseBand(plan, in.btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
+  return band;
+}
+
+// Chroma ratios of the coarse band, each level fitted to its own averages: a mean of ratios is not the ratio of means.
+std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const YccBtf& half, Factors luma) {
+  std::vector<std::vector<glm::dvec2>> ratios;
+  std::optional<YccBtf> coarser;
+  for (const YccBtf* level = &half;; level = &*coarser) {
+    const Indirection straight = identityIndirection(level->texels(), level->views());
+    ratios.push_back(fitRatios(*level, wholeLuma(*level, luma, in.mean, straight), in.material.mean, straight, in.threads));
+    if (level->side() == 1) return ratios;
+    luma.weights = downsample(luma.weights, level->side(), BoxFilter::k2x2);
+    coarser = downsample(*level, BoxFilter::k2x2, in.threads);
+  }
+}
+
+// The coarse band: apparent reflectance over the reference plane, from lambda 1 to the full average.
+Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
+  const YccBtf half = downsample(in.btf, BoxFilter::k2x2, in.threads);
+  const DirectionSet &lights = in.source.lights(), &views = in.source.views();
+  const CoarseFitOptions fit{plan.coarse_y, averageGrid(in.means, in.mean, lights, views, plan.coarse_phis), in.threads};
+  BandFactors factors = fitCoarse(half, lights, views, in.mean, fit);
+  const Matrix sample_lights = gridSampling(fit.grid, lights), sample_views = gridSampling(fit.grid, views);
+  const Factors at_samples{factors.y.weights, mapTables(factors.y.basis, sample_lights, sample_views)};
+  factors.ratio = levelRatios(in, half, at_samples);
+  const int mips = coarseMips(plan, half.side());
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, fit.grid, mips, 0});
+  band.lambda_first = 1;
+  band.window = {kCrossFadeBegin, kCrossFadeEnd};
+  return band;
+}
+
+}  // namespace
+
+int flatSide(const FusedPlan& plan, int side) { return std::max(1, static_cast<int>(std::lround(side * plan.flat_scale))); }
+
+FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
+                  int threads, int lab_every) {
+  Material m;
+  m.mode = Mode::kFused;
+  m.name = source.name();
+  m.side = btf.side();
+  m.value_scale = static_cast<float>(1 / kPi);
+  m.geometry = geometry;
+  AtlasChoice atlas;
+  if (plan.atlas) atlas.size = *plan.atlas;
+  else atlas = chooseAtlas(geometry, m.side, threads);
+  m.atlas = atlas.size;
+  m.theta_max = gridFor(source.lights()).theta_max;
+  Matrix means = imageMeans(btf, threads);
+  m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
+
+  const Evaluator lookup(m, threads);
+  const Indirection a = makeIndirection(
+      btf.side(), flatSide(plan, btf.side()), source.views(),
+      [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
+  const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()), threads};
+  m.bands.push_back(fitFlatBand(in, a, plan));
+  if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
+  const Band& last = m.bands.back();
+  m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
+  splitLeadingParts(m);
+  const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads, lab_every);
+  return {std::move(m), error, std::move(atlas.trials)};
+}
+
+uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
+  const auto maps = [](Storage storage, int texels_side, int mips, int layers) {
+    return textureBytes(formatOf(storage), uint64_t(texels_side), uint64_t(texels_side), uint64_t(layers), mips);
+  };
+  const auto tables = [](Storage storage, int quads, int phis) {
+    return textureBytes(formatOf(storage), uint64_t(phis), 36, uint64_t(quads * phis), 1);
+  };
+  const int flat_side = flatSide(plan, side);
+  const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2, coarse_quads = (plan.coarse_y + 3) / 4;
+  uint64_t bytes = textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
+  const int light_quads = (plan.light_components + 3) / 4;
+  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1 + light_quads + (light_quads > 0 ? 1 : 0)) + tables(plan.storage, fine_quads, plan.phis);
+  const DirectionGrid light_grid = lightFactorGrid({});
+  if (light_quads > 0) bytes += textureBytes(TexelFormat::kRGBA16Snorm, uint64_t(light_grid.phis), uint64_t(light_grid.thetas), uint64_t(light_quads), 1);
+  if (hasCoarseBand(plan, side))
+    bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) + tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
+  return bytes;
+}
+
+namespace {
+
+constexpr int kTrialSweeps = 2;  // enough to rank candidates
+// Of a light factor and of the shading under it, which is smooth: as many bytes as 20 components alone.
+constexpr int kSplitComponents = 8, kLightComponents = 12;
+
+FusedPlan presetPlan(const CookOptions& options) {
+  FusedPlan plan;
+  if (options.preset == Preset::kReference) plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
+  if (options.shadows == Shadows::kSplit) plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
+  if (options.y_components) plan.y_components = options.y_components;
+  if (options.light_components) plan.light_components = options.light_components;
+  plan.chroma_components = options.cb_components;
+  plan.levels = options.levels;
+  return plan;
+}
+
+}  // namespace
+
+Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry, const CookOptions& options) {
+  const Status levels = checkLevels(options.levels, source.size().x);
+  if (!levels) return levels.issue();
+  auto btf = loadYcc(source, options.threads);
+  if (!btf) return btf.issue();
+  FusedPlan plan = presetPlan(options);
+  std::vector<TradePoint> measured;
+  if (options.max_bytes > 0 || options.target_rmse > 0) {
+    const auto baked = geometry(0);
+    if (!baked) return baked.issue();
+    Goal goal{options.max_bytes, options.target_rmse, options.levels};
+    if (options.light_components > 0) goal.light_components = {options.light_components};
+    else if (options.shadows == Shadows::kSplit) goal.light_components = {12, 8, 4};
+    Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
+    std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image
+    const auto trial = [&](FusedPlan candidate) -> Result<double> {
+      const auto image = geometry(candidate.geometry_side);
+      if (!image) return image.issue();
+      if (!atlases.contains(image->side())) atlases[image->side()] = chooseAtlas(*image, btf->side(), options.threads).size;
+      candidate.atlas = atlases[image->side()];
+      candidate.sweeps = kTrialSweeps;
+      candidate.coarse_y = 0;
+      const double rmse = fitFused(source, *btf, *image, candidate, options.threads).error.channel[0].rmse();
+      progress.advance();
+      return rmse;
+    };
+    auto choice = choosePlan(goal, btf->side(), baked->side(), trial);
+    if (!choice) return choice.issue();
+    progress.advance(uint64_t(mostTrials(goal, baked->side())) - choice->measured.size());  // the search ended early
+    plan = choice->plan;
+    measured = std::move(choice->measured);
+  }
+  const auto image = geometry(plan.geometry_side);
+  if (!image) return image.issue();
+  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads);
+  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured, fit.atlases);
+  return std::move(fit.material);
+}
+
+}  // namespace loden::importer

@@ -1,0 +1,116 @@
+#include "importer/cook/meta.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "importer/fit/lookup_error.h"
+#include "material/model/environment.h"
+#include "material/model/leading_part.h"
+
+namespace loden::importer {
+
+const char* presetName(Preset preset) {
+  switch (preset) {
+    case Preset::kSeed: return "seed";
+    case Preset::kGame: return "game";
+    case Preset::kReference: return "reference";
+  }
+  return "unknown";
+}
+
+namespace {
+
+uint64_t bandBytes(const Material& material) {
+  uint64_t bytes = 0;
+  for (const Band& band : material.bands) bytes += band.bytes();
+  return bytes;
+}
+
+uint64_t surfaceBytes(const Material& material) {
+  if (!material.surface) return 0;
+  const SurfaceMaps& maps = *material.surface;
+  return maps.normal.data.size() + maps.diffuse.data.size() + maps.specular.data.size();
+}
+
+uint64_t vdimBytes(const Material& material) {
+  if (!material.stored_vdim) return 0;
+  return material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
+}
+
+// Components of the finest band: "16,0,0" where chroma is a ratio.
+std::string componentsText(const Material& material) {
+  if (material.bands.empty()) return "0,0,0";
+  const Band& band = material.bands.front();
+  const std::string chroma = std::to_string(2 * band.chroma_quads);
+  return std::to_string(4 * band.y_quads) + "," + chroma + "," + chroma;
+}
+
+nlohmann::ordered_json errorJson(const LookupError& e) {
+  return {{"mean_texels", e.mean_texels}, {"over_1_texel", e.over_1_texel}, {"fetches", e.fetches}};
+}
+
+nlohmann::ordered_json lookupMeta(const Material& material, std::span<const AtlasTrial> tried) {
+  const VdimAtlas atlas = buildVdimAtlas(material.geometry, material.atlas);
+  const LookupProbe probe(material.geometry, material.side, 0);
+  nlohmann::ordered_json json = {{"geometry_side", material.geometry.side()},
+                                 {"atlas_texels", atlas.size.texels},
+                                 {"atlas_directions", atlas.size.directions},
+                                 {"bytes", atlas.bytes()}};
+  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) json[std::string(lookupName(lookup))] = errorJson(probe.measure(atlas, lookup));
+  for (const AtlasTrial& trial : tried) {
+    nlohmann::ordered_json of_trial = {{"texels", trial.size.texels}, {"directions", trial.size.directions}};
+    of_trial.update(errorJson(trial.error));
+    json["tried"].push_back(std::move(of_trial));
+  }
+  return json;
+}
+
+// Without its folder: where an input lies must not change an asset's bytes.
+std::string inputName(const std::string& input) {
+  const std::filesystem::path path(input);
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
+}  // namespace
+
+uint64_t rawFileBytes(const Material& material) {
+  return bandBytes(material) + material.geometry.texels.data.size() + surfaceBytes(material) + vdimBytes(material);
+}
+
+uint64_t residentBytes(const Material& material) {
+  uint64_t bytes = rawFileBytes(material) + leadingPartBytes(material);
+  for (const Band& band : material.bands) bytes += environmentTableBytes(band);  // made by the runtime
+  if (material.geometry.empty() || material.mode == Mode::kLod) return bytes;
+  // The atlas holds a packed copy of the geometry, which itself does not go to the GPU.
+  return bytes - material.geometry.texels.data.size() + residentAtlasBytes(material.geometry, material.atlas);
+}
+
+std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
+                     const BtfError* error, const std::vector<TradePoint>& trade, std::span<const AtlasTrial> atlases) {
+  nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
+                                 {"preset", preset},
+                                 {"input", inputName(input)},
+                                 {"components", componentsText(material)},
+                                 {"light_components", material.bands.empty() ? 0 : 4 * material.bands.front().light_quads},
+                                 {"coefficient_bytes", bandBytes(material)},
+                                 {"raw_bytes", rawFileBytes(material)},
+                                 {"gpu_bytes", residentBytes(material)}};
+  if (error) {
+    const char* names[3] = {"y", "cb", "cr"};
+    for (int c = 0; c < 3; ++c) {
+      const FitError& e = error->channel[c];
+      meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
+    }
+  }
+  if (!material.geometry.empty() && material.mode != Mode::kLod) meta["lookup"] = lookupMeta(material, atlases);
+  const std::vector<TradePoint> front = paretoFront(trade);
+  for (const TradePoint& p : trade) {
+    const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) { return f.bytes == p.bytes && f.rmse_y == p.rmse_y; });
+    meta["trade"].push_back({{"y_components", p.plan.y_components}, {"light_components", p.plan.light_components}, {"phis", p.plan.phis}, {"flat_scale", p.plan.flat_scale},
+                             {"bits", p.plan.storage == Storage::kSnorm16 ? 16 : 8}, {"geometry_side", p.plan.geometry_side}, {"bytes", p.bytes}, {"rmse_y", p.rmse_y}, {"pareto", pareto}});
+  }
+  return meta.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // paths need not be UTF-8
+}
+
+}  // namespace loden::importer

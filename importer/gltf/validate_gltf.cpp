@@ -1,0 +1,259 @@
+// What `loden validate` says about a scene. Numbers as in material/base/issues.h.
+#include <algorithm>
+#include <cmath>
+
+#include "importer/base/file_read.h"
+#include "importer/gltf/gltf_document.h"
+#include "importer/gltf/gltf_resource.h"
+#include "importer/gltf/pack.h"
+#include "material/asset/asset.h"
+#include "material/system/confined_path.h"
+#include "material/base/gltf_extensions.h"
+#include "material/base/issues.h"
+
+namespace loden::importer {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+class SceneCheck {
+ public:
+  SceneCheck(const fs::path& path, const GltfDocument& document) : path_(path), document_(document), json_(document.json) {}
+
+  std::vector<Issue> run() {
+    issues_ = wrongTypes(json_, path_.string());
+    checkRequired();
+    checkBuffers();
+    checkImages();
+    checkBufferViews();
+    checkAccessors();
+    checkAssets();
+    checkMaterials();
+    checkDeclared();
+    return std::move(issues_);
+  }
+
+ private:
+  void add(int id, const std::string& place, const std::string& text, Severity severity = Severity::kError) {
+    issues_.push_back({id, severity, path_.string() + ": " + place, text});
+  }
+
+  static std::string at(const char* list, size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
+
+  void checkRequired() {
+    for (size_t i = 0; i < arraySize(json_, "extensionsRequired"); ++i) {
+      const Json& name = json_["extensionsRequired"][i];
+      if (!name.is_string() || !isSupportedGltfExtension(name.get<std::string>()))
+        add(issue_id::kGltfRequired, at("extensionsRequired", i), name.dump() + " is not known to Loden");
+    }
+  }
+
+  // The element's uri; null if it has none. One that is no text is said by wrongTypes.
+  static const std::string* uriOf(const Json& item) {
+    if (!item.is_object()) return nullptr;
+    const auto uri = item.find("uri");
+    return uri != item.end() && uri->is_string() ? uri->get_ptr<const std::string*>() : nullptr;
+  }
+
+  Result<GltfResource> openUri(const std::string& uri, const std::string& place) const {
+    return GltfResource::open(uri, path_.parent_path(), path_.string() + ": " + place);
+  }
+
+  // Only the first buffer of a .glb is the binary chunk, and only without a uri.
+  Result<GltfResource> openBuffer(size_t i) const {
+    if (const std::string* uri = uriOf(json_["buffers"][i])) return openUri(*uri, at("buffers", i) + ".uri");
+    if (document_.binary && i == 0) return GltfResource::of(document_.binary_chunk);
+    return Issue{issue_id::kGltfAccessor, Severity::kError, path_.string() + ": " + at("buffers", i), "has no uri, and is no binary chunk"};
+  }
+
+  // Every buffer has the bytes that it declares.
+  void checkBuffers() {
+    for (size_t i = 0; i < arraySize(json_, "buffers"); ++i) {
+      const auto buffer = openBuffer(i);
+      const int64_t declared = integerMember(json_["buffers"][i], "byteLength");
+      if (!buffer) issues_.push_back(buffer.issue());
+      else if (declared < 1) add(issue_id::kGltfAccessor, at("buffers", i), "has no byteLength");
+      else if (buffer->size() < static_cast<uint64_t>(declared))
+        add(issue_id::kGltfAccessor, at("buffers", i), "has " + std::to_string(buffer->size()) + " bytes of the " + std::to_string(declared) + " that it declares");
+    }
+  }
+
+  void checkImages() {
+    for (size_t i = 0; i < arraySize(json_, "images"); ++i)
+      if (const std::string* uri = uriOf(json_["images"][i]))
+        if (const auto image = openUri(*uri, at("images", i) + ".uri"); !image) issues_.push_back(image.issue());
+  }
+
+  // All sums in 64 bit; members are at most 2^53 in valid JSON, so that nothing overflows.
+  void checkBufferViews() {
+    for (size_t i = 0; i < arraySize(json_, "bufferViews"); ++i) {
+      const Json& view = json_["bufferViews"][i];
+      const int64_t buffer = integerMember(view, "buffer"), length = integerMember(view, "byteLength");
+      const int64_t offset = view.is_object() && view.contains("byteOffset") ? integerMember(view, "byteOffset") : 0;
+      if (buffer < 0 || static_cast<size_t>(buffer) >= arraySize(json_, "buffers")) {
+        add(issue_id::kGltfAccessor, at("bufferViews", i), "names no existing buffer");
+        continue;
+      }
+      const int64_t size = integerMember(json_["buffers"][buffer], "byteLength");
+      if (offset < 0 || length < 1 || length > size || offset > size - length)
+        add(issue_id::kGltfAccessor, at("bufferViews", i), "does not lie inside its buffer");
+    }
+  }
+
+  static int64_t elementBytes(const Json& accessor) {
+    const int64_t type = integerMember(accessor, "componentType");
+    const int64_t component = type == 5120 || type == 5121 ? 1 : type == 5122 || type == 5123 ? 2 : type == 5125 || type == 5126 ? 4 : 0;
+    const std::string shape = accessor.is_object() && accessor.contains("type") && accessor["type"].is_string() ? accessor["type"].get<std::string>() : "";
+    const int64_t count = shape == "SCALAR" ? 1 : shape == "VEC2" ? 2 : shape == "VEC3" ? 3 : shape == "VEC4" || shape == "MAT2" ? 4
+                          : shape == "MAT3" ? 9 : shape == "MAT4" ? 16 : 0;
+    return component * count;
+  }
+
+  void checkAccessors() {
+    constexpr int64_t kMaxCount = int64_t{1} << 32;
+    for (size_t i = 0; i < arraySize(json_, "accessors"); ++i) {
+      const Json& accessor = json_["accessors"][i];
+      const int64_t count = integerMember(accessor, "count"), element = elementBytes(accessor);
+      if (element == 0 || count < 1 || count > kMaxCount) {
+        add(issue_id::kGltfAccessor, at("accessors", i), "has an invalid type, componentType or count");
+        continue;
+      }
+      if (!accessor.contains("bufferView")) continue;
+      const int64_t view = integerMember(accessor, "bufferView");
+      if (view < 0 || static_cast<size_t>(view) >= arraySize(json_, "bufferViews")) {
+        add(issue_id::kGltfAccessor, at("accessors", i), "names no existing bufferView");
+        continue;
+      }
+      const Json& buffer_view = json_["bufferViews"][view];
+      const int64_t stride = std::max(element, integerMember(buffer_view, "byteStride"));
+      const int64_t offset = accessor.contains("byteOffset") ? integerMember(accessor, "byteOffset") : 0;
+      const int64_t length = integerMember(buffer_view, "byteLength");
+      if (offset < 0 || stride > 252 || length < offset || (count - 1) * stride + element > length - offset)
+        add(issue_id::kGltfAccessor, at("accessors", i), "does not lie inside its bufferView");
+    }
+  }
+
+  const Json& rootAssets() const {
+    static const Json none = Json::array();
+    if (!json_.contains("extensions") || !json_["extensions"].is_object()) return none;
+    const auto& extensions = json_["extensions"];
+    const auto root = extensions.find(kExtensionName);
+    if (root == extensions.end() || arraySize(*root, "assets") == 0) return none;
+    return (*root)["assets"];
+  }
+
+  void checkAssets() {
+    const Json& assets = rootAssets();
+    for (size_t i = 0; i < assets.size(); ++i) {
+      const std::string place = "extensions." + std::string(kExtensionName) + "." + at("assets", i);
+      const Json& asset = assets[i];
+      const bool by_uri = asset.is_object() && asset.contains("uri") && asset["uri"].is_string();
+      const bool by_view = asset.is_object() && asset.contains("bufferView");
+      if (by_uri == by_view) add(issue_id::kGltfExtension, place, "needs either a uri or a bufferView");
+      else if (by_uri) checkFile(asset["uri"].get<std::string>(), place);
+      else checkEmbedded(asset, place);
+    }
+  }
+
+  void checkFile(const std::string& uri, const std::string& place) {
+    const auto relative = relativePathOfUri(uri, path_.string() + ": " + place);  // an asset's uri is never data
+    const auto file = relative ? openUri(uri, place) : Result<GltfResource>(relative.issue());
+    if (file) checkBytes(*file, 0, file->size(), (path_.parent_path() / *relative).string());
+    else issues_.push_back(file.issue());
+  }
+
+  void checkEmbedded(const Json& asset, const std::string& place) {
+    if (!asset.contains("mimeType") || asset["mimeType"] != kAssetMimeType)
+      add(issue_id::kGltfExtension, place, std::string("mimeType must be ") + kAssetMimeType);
+    const int64_t view = integerMember(asset, "bufferView");
+    if (view < 0 || static_cast<size_t>(view) >= arraySize(json_, "bufferViews")) {
+      add(issue_id::kGltfExtension, place, "names no existing bufferView");
+      return;
+    }
+    const Json& buffer_view = json_["bufferViews"][view];
+    const int64_t index = integerMember(buffer_view, "buffer");
+    if (index < 0 || static_cast<size_t>(index) >= arraySize(json_, "buffers")) return;  // said by checkBufferViews
+    const auto buffer = openBuffer(static_cast<size_t>(index));
+    if (!buffer) return;  // said by checkBuffers
+    const int64_t offset = std::max<int64_t>(0, integerMember(buffer_view, "byteOffset"));
+    const int64_t length = integerMember(buffer_view, "byteLength"), size = static_cast<int64_t>(buffer->size());
+    if (length < 1 || length > size || offset > size - length) return;  // said by checkBufferViews or checkBuffers
+    checkBytes(*buffer, static_cast<uint64_t>(offset), static_cast<uint64_t>(length), path_.string() + ": " + place);
+  }
+
+  void checkBytes(const GltfResource& resource, uint64_t offset, uint64_t length, const std::string& name) {
+    const auto bytes = resource.read(offset, length);
+    if (!bytes) {
+      issues_.push_back(bytes.issue());
+      return;
+    }
+    const auto found = validateAsset(std::as_bytes(std::span(*bytes)), name);
+    issues_.insert(issues_.end(), found.begin(), found.end());
+  }
+
+  static bool areNumbers(const Json& value, size_t count) {
+    return value.is_array() && value.size() == count &&
+           std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); });
+  }
+
+  void checkMaterials() {
+    for (size_t m = 0; m < arraySize(json_, "materials"); ++m) {
+      const Json& material = json_["materials"][m];
+      if (!material.is_object() || !material.contains("extensions") || !material["extensions"].is_object() ||
+          !material["extensions"].contains(kExtensionName))
+        continue;
+      ++uses_;
+      const Json& extension = material["extensions"][kExtensionName];
+      const std::string place = at("materials", m) + "." + kExtensionName;
+      const int64_t asset = integerMember(extension, "asset");
+      if (asset < 0 || static_cast<size_t>(asset) >= rootAssets().size())
+        add(issue_id::kGltfExtension, place + ".asset", "names no asset of the root extension");
+      if (!extension.is_object()) continue;
+      if (extension.contains("scale") && !areNumbers(extension["scale"], 2))
+        add(issue_id::kGltfExtension, place + ".scale", "must be two finite numbers");
+      if (extension.contains("rotation") && !extension["rotation"].is_number())
+        add(issue_id::kGltfExtension, place + ".rotation", "must be a number, radians");
+      checkTexCoord(extension, static_cast<int64_t>(m), place);
+    }
+  }
+
+  void checkTexCoord(const Json& extension, int64_t material, const std::string& place) {
+    const int64_t set = extension.contains("texCoord") ? integerMember(extension, "texCoord") : 0;
+    if (set < 0) {
+      add(issue_id::kGltfExtension, place + ".texCoord", "must be a non-negative integer");
+      return;
+    }
+    const std::string attribute = "TEXCOORD_" + std::to_string(set);
+    for (const std::string& primitive : primitivesWithout(json_, material, attribute))
+      add(issue_id::kGltfExtension, primitive, "has no " + attribute + ", which its material asks for");
+  }
+
+  void checkDeclared() {
+    if (uses_ == 0 && rootAssets().empty()) {
+      add(issue_id::kGltfExtension, "materials", std::string("none uses ") + kExtensionName, Severity::kNote);
+      return;
+    }
+    bool declared = false;
+    for (size_t i = 0; i < arraySize(json_, "extensionsUsed"); ++i) declared |= json_["extensionsUsed"][i] == kExtensionName;
+    if (!declared) add(issue_id::kGltfExtension, "extensionsUsed", std::string("does not list ") + kExtensionName);
+  }
+
+  const fs::path& path_;
+  const GltfDocument& document_;
+  const Json& json_;
+  std::vector<Issue> issues_;
+  int uses_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<Issue>> validateGltf(const fs::path& path) {
+  const auto bytes = readFile(path);
+  if (!bytes) return bytes.issue();
+  const auto document = parseGltf(*bytes, path.string());
+  if (!document) return std::vector<Issue>{document.issue()};
+  return SceneCheck(path, *document).run();
+}
+
+}  // namespace loden::importer

@@ -1,0 +1,24 @@
+// Parameters for the mesh of a tile file; not installed.
+#pragma once
+
+#include <string>
+
+#include "importer/tile/polygon_mesh.h"
+
+namespace loden::importer {
+
+// How a mesh came by its parameters.
+enum class ParamOrigin {
+  kLattice,  // one map that repeats with the surface, of the file or made
+  kAtlas,    // the file's texture coordinates, several charts or one that does not repeat
+  kCharts,   // made, each chart on its own and not yet packed
+};
+
+// The mesh with period 1 and parameters: the file's, where they repeat with the surface or are an atlas; else made
+// (importer/mesh/parameterize.h for a surface in one closed piece, importer/mesh/segment.h for others). Refines the cage
+// `subdivide` times. Polygons may come back as triangles.
+Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::string& where);
+
+std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh);
+
+}  // namespace loden::importer

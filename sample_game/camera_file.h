@@ -5,7 +5,7 @@
 
 #include "material/model/analytic_surface.h"
 #include "material/base/result.h"
-#include "runtime/camera.h"
+#include "runtime/scene/camera.h"
 
 namespace loden::walk {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "runtime/device.h"
+#include "runtime/gl/device.h"
 
 namespace loden::walk {
 namespace {

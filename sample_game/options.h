@@ -7,7 +7,7 @@
 #include <string>
 
 #include "material/model/analytic_surface.h"
-#include "runtime/frame.h"
+#include "runtime/frame/frame.h"
 
 namespace loden::walk {
 

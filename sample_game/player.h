@@ -4,10 +4,10 @@
 #include <chrono>
 #include <memory>
 
-#include "runtime/camera.h"
-#include "runtime/device.h"
-#include "runtime/frame.h"
-#include "runtime/material_system.h"
+#include "runtime/scene/camera.h"
+#include "runtime/gl/device.h"
+#include "runtime/frame/frame.h"
+#include "runtime/gl/material/material_system.h"
 
 namespace loden::walk {
 

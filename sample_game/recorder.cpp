@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "material/base/issues.h"
-#include "runtime/image_write.h"
+#include "runtime/scene/image_write.h"
 
 namespace loden::walk {
 namespace {

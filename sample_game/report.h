@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "material/base/result.h"
-#include "runtime/device.h"
-#include "runtime/frame.h"
-#include "runtime/material_system.h"
-#include "runtime/shader_library.h"
+#include "runtime/gl/device.h"
+#include "runtime/frame/frame.h"
+#include "runtime/gl/material/material_system.h"
+#include "runtime/shader/shader_library.h"
 #include "sample_game/options.h"
 
 namespace loden::walk {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "material/base/exit_code.h"
-#include "runtime/gl_target.h"
+#include "runtime/gl/gl_target.h"
 #include "sample_game/player.h"
 #include "sample_game/recorder.h"
 #include "sample_game/world.h"

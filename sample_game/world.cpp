@@ -4,9 +4,9 @@
 
 #include "material/model/directions.h"
 #include "material/base/issues.h"
-#include "runtime/gltf_scene.h"
-#include "runtime/image_read.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/scene/gltf_scene.h"
+#include "runtime/scene/image_read.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "sample_game/camera_file.h"
 
 namespace loden::walk {

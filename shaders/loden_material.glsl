@@ -1,7 +1,7 @@
 // Loden's shader library: evaluates one material. No dependency on any renderer; include this file, or paste what it
 // includes in its place. GLSL 4.40; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block holds
-// is said in loden_shared.h; runtime/material_data.cpp fills it.
-// Defines of a variant (runtime/shader_variants.h lists those in use):
+// is said in loden_shared.h; runtime/stream/material_data.cpp fills it.
+// Defines of a variant (runtime/stream/shader_variants.h lists those in use):
 //   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LIGHT_FACTOR                                         a band has a light factor

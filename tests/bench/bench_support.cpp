@@ -10,7 +10,7 @@
 #include <random>
 
 #include "material/base/exit_code.h"
-#include "runtime/shader_library.h"
+#include "runtime/shader/shader_library.h"
 
 namespace loden::bench {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "material/model/material.h"
-#include "runtime/device.h"
-#include "runtime/gl_objects.h"
-#include "runtime/gl_target.h"
-#include "runtime/material_system.h"
+#include "runtime/gl/device.h"
+#include "runtime/gl/gl_objects.h"
+#include "runtime/gl/gl_target.h"
+#include "runtime/gl/material/material_system.h"
 
 namespace loden::bench {
 
@@ -32,7 +32,7 @@ class FullScreen {
   ~FullScreen();
   FullScreen(const FullScreen&) = delete;
   FullScreen& operator=(const FullScreen&) = delete;
-  // Fragment text as in runtime/shader_library.h; exits with the compiler's message if it is wrong.
+  // Fragment text as in runtime/shader/shader_library.h; exits with the compiler's message if it is wrong.
   runtime::GlProgram program(const std::string& fragment, std::span<const std::string> defines) const;
   void draw(const runtime::GlProgram& program) const;
   std::vector<glm::vec4> read() const { return readLinear(target_); }

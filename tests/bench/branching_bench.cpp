@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "runtime/shader_variants.h"
+#include "runtime/stream/shader_variants.h"
 #include "tests/bench/bench_support.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "importer/btf/baked_output.h"
-#include "runtime/gl_objects.h"
+#include "runtime/gl/gl_objects.h"
 
 namespace loden::bench {
 

@@ -9,7 +9,7 @@
 #include "importer/cook/cook.h"
 #include "importer/study/study.h"
 #include "material/asset/asset.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "tests/bench/bench_support.h"
 
 namespace loden::bench {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "material/model/material.h"
-#include "runtime/camera.h"
-#include "runtime/frame.h"
-#include "runtime/gl_target.h"
-#include "runtime/material_system.h"
-#include "runtime/scene.h"
-#include "runtime/shader_library.h"
+#include "runtime/scene/camera.h"
+#include "runtime/frame/frame.h"
+#include "runtime/gl/gl_target.h"
+#include "runtime/gl/material/material_system.h"
+#include "runtime/scene/scene.h"
+#include "runtime/shader/shader_library.h"
 
 namespace loden::bench {
 

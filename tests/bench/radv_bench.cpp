@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/shader_assembly.h"
-#include "runtime/shader_variants.h"
+#include "runtime/shader/shader_assembly.h"
+#include "runtime/stream/shader_variants.h"
 #include "shaders/loden_shared.h"
 #include "tests/bench/bench_support.h"
 

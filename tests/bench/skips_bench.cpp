@@ -5,9 +5,9 @@
 
 #include <cstdio>
 
-#include "runtime/frame.h"
-#include "runtime/mesh_analytic.h"
-#include "runtime/shader_library.h"
+#include "runtime/frame/frame.h"
+#include "runtime/scene/mesh_analytic.h"
+#include "runtime/shader/shader_library.h"
 #include "tests/bench/bench_support.h"
 
 namespace {

@@ -14,9 +14,9 @@
 
 #include "importer/base/flip.h"
 #include "material/asset/asset.h"
-#include "runtime/material_data.h"
-#include "runtime/material_parts.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/stream/material_data.h"
+#include "runtime/stream/material_parts.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "tests/bench/bench_support.h"
 #include "tests/bench/gallery.h"
 

@@ -25,7 +25,7 @@
 #include "importer/tile/tile_tracer.h"
 #include "material/asset/asset.h"
 #include "material/system/atomic_file.h"
-#include "runtime/shader_variants.h"
+#include "runtime/stream/shader_variants.h"
 #include "shaders/loden_shared.h"
 #include "tests/bench/bench_support.h"
 #include "tests/bench/btf_table.h"

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "importer/gltf/pack.h"
-#include "runtime/gltf_scene.h"
+#include "runtime/scene/gltf_scene.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <type_traits>
 
 #include "material/base/issues.h"
-#include "runtime/gl_state.h"
+#include "runtime/gl/gl_state.h"
 #include "tests/gl/gl_fixture.h"
 
 namespace loden::test {

@@ -11,9 +11,9 @@
 #include "material/eval/evaluate.h"
 #include "material/base/issues.h"
 #include "material/model/leading_part.h"
-#include "runtime/frame.h"
-#include "runtime/image_read.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/frame/frame.h"
+#include "runtime/scene/image_read.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
 

@@ -2,8 +2,8 @@
 #include <epoxy/gl.h>
 
 #include "material/base/issues.h"
-#include "runtime/frame.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/frame/frame.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "shaders/scene_shared.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/gl_state_dump.h"

@@ -2,7 +2,7 @@
 
 #include <epoxy/gl.h>
 
-#include "runtime/shader_library.h"
+#include "runtime/shader/shader_library.h"
 
 namespace loden::test {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "material/asset/asset.h"
-#include "runtime/device.h"
-#include "runtime/gl_objects.h"
-#include "runtime/gl_target.h"
-#include "runtime/material_system.h"
+#include "runtime/gl/device.h"
+#include "runtime/gl/gl_objects.h"
+#include "runtime/gl/gl_target.h"
+#include "runtime/gl/material/material_system.h"
 
 namespace loden::test {
 

@@ -8,10 +8,10 @@
 
 #include "material/base/issues.h"
 #include "material/model/leading_part.h"
-#include "runtime/gl_texture.h"
-#include "runtime/material_data.h"
-#include "runtime/streaming.h"
-#include "runtime/material_parts.h"
+#include "runtime/gl/material/gl_texture.h"
+#include "runtime/stream/material_data.h"
+#include "runtime/stream/streaming.h"
+#include "runtime/stream/material_parts.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
 

@@ -13,11 +13,11 @@
 #include "importer/cook/cook.h"
 #include "material/asset/asset.h"
 #include "material/eval/evaluate.h"
-#include "runtime/device.h"
-#include "runtime/gl_objects.h"
-#include "runtime/gl_target.h"
-#include "runtime/material_system.h"
-#include "runtime/shader_library.h"
+#include "runtime/gl/device.h"
+#include "runtime/gl/gl_objects.h"
+#include "runtime/gl/gl_target.h"
+#include "runtime/gl/material/material_system.h"
+#include "runtime/shader/shader_library.h"
 #include "shaders/loden_shared.h"
 
 namespace loden::runtime {

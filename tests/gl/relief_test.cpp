@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "material/model/directions.h"
-#include "runtime/frame.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/frame/frame.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
 

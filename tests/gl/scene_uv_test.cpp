@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/frame.h"
-#include "runtime/mesh_analytic.h"
+#include "runtime/frame/frame.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
 

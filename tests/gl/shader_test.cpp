@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "material/base/issues.h"
-#include "runtime/shader_assembly.h"
-#include "runtime/shader_library.h"
+#include "runtime/shader/shader_assembly.h"
+#include "runtime/shader/shader_library.h"
 #include "shaders/loden_shared.h"
 #include "tests/gl/gl_fixture.h"
 

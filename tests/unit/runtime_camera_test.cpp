@@ -1,11 +1,11 @@
 // Cameras, frusta, demands and paths.
-#include "runtime/camera.h"
+#include "runtime/scene/camera.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "runtime/mesh_analytic.h"
+#include "runtime/scene/mesh_analytic.h"
 
 namespace loden::runtime {
 namespace {

@@ -1,5 +1,5 @@
 // The glTF loader on good and on hostile files.
-#include "runtime/gltf_scene.h"
+#include "runtime/scene/gltf_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <string>
 
 #include "material/base/issues.h"
-#include "runtime/gltf_guard.h"
+#include "runtime/scene/gltf_guard.h"
 
 namespace loden::runtime {
 namespace {

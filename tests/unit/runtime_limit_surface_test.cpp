@@ -1,5 +1,5 @@
 // Catmull-Clark limits against known answers and finite differences.
-#include "runtime/limit_surface.h"
+#include "runtime/scene/limit_surface.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "runtime/residency.h"
+#include "runtime/stream/residency.h"
 
 namespace loden::runtime {
 namespace {

@@ -1,5 +1,5 @@
 // The loading threads, on an asset in memory.
-#include "runtime/streaming.h"
+#include "runtime/stream/streaming.h"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "runtime/device.h"
-#include "runtime/gl_target.h"
-#include "runtime/material_system.h"
-#include "runtime/shader_library.h"
+#include "runtime/gl/device.h"
+#include "runtime/gl/gl_target.h"
+#include "runtime/gl/material/material_system.h"
+#include "runtime/shader/shader_library.h"
 
 using namespace loden::runtime;
 

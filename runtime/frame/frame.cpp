@@ -1,0 +1,392 @@
+#include "runtime/frame/frame.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+
+#include "material/model/directions.h"
+#include "material/base/issues.h"
+#include "runtime/frame/frame_multisample.h"
+#include "runtime/frame/frame_shadow.h"
+#include "runtime/gl/gl_objects.h"
+#include "runtime/gl/gl_state.h"
+#include "runtime/frame/scene_gpu.h"
+#include "shaders/loden_shared.h"
+#include "shaders/scene_shared.h"
+
+namespace loden::runtime {
+namespace {
+
+constexpr int kUnits = SCENE_UNIT_SHADOW + 1;
+constexpr int kUniformBindings = SCENE_BLOCK_OBJECT + 1;
+
+// The relief in the sun's shadow map. Neither sun nor objects move: nothing else changes it.
+struct ShadowRelief {
+  bool shown = false;  // else all objects are as their meshes are, and the rest is as here
+  uint64_t revision = 0;  // MaterialSystem::reliefRevision
+  std::optional<float> lambda;
+  friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
+};
+
+// What a pass draws with: set again only where the next object wants another.
+struct PassProgram {
+  std::string_view row;
+  MaterialId material;
+  uint32_t program = 0;
+  int changes = 0;
+};
+
+// A visible object.
+struct Drawable {
+  int object = 0;
+  float distance = 0;  // of its bounds to the camera
+};
+
+SceneLight lightData(const Light& light) {
+  return {glm::vec4(light.position, light.range),
+          glm::vec4(light.intensity, light.kind == LightKind::kSpot ? 1.0f : 0.0f),
+          glm::vec4(light.direction, light.cos_outer), glm::vec4(light.cos_inner, 0, 0, 0)};
+}
+
+void setEnvironment(const Environment& environment, SceneFrame& data) {
+  const EnvironmentLight& light = environment.light;
+  bool lit = false;
+  for (int c = 0; c < 3; ++c) {
+    const glm::mat3& m = light.quadratic[c];
+    data.environment[3 * c] = glm::vec4(light.linear[c], light.constant[c]);
+    data.environment[3 * c + 1] = {m[0][0], m[1][1], m[2][2], 0};
+    data.environment[3 * c + 2] = {m[0][1], m[0][2], m[1][2], 0};
+    for (int k = 0; k < 3; ++k) lit = lit || data.environment[3 * c + k] != glm::vec4(0);
+  }
+  data.flags.y = static_cast<int>(std::min<size_t>(environment.suns.size(), SCENE_MAX_SUNS));
+  data.flags.z = lit ? 1 : 0;
+  for (int k = 0; k < data.flags.y; ++k) {
+    data.environment_suns[2 * k] = glm::vec4(environment.suns[k].direction, 0);
+    data.environment_suns[2 * k + 1] = glm::vec4(environment.suns[k].irradiance * static_cast<float>(kPi), 0);
+  }
+}
+
+// The shadow map lies behind the units of every material.
+Status checkUnits(const GpuScene& scene, const Device& device, const MaterialSystem& materials) {
+  const int available = device.capabilities().max_fragment_textures;
+  if (available <= SCENE_UNIT_SHADOW)
+    return Issue{issue_id::kGlContext, Severity::kError, "frame", "the sample renderer needs 30 texture units, and the driver has " + std::to_string(available)};
+  for (const auto& asset : scene.assets) {
+    const MaterialVariant variant = materials.variant(asset.material.id());
+    if (variant.first_unit + unitsOf(variant) > SCENE_UNIT_SHADOW)
+      return Issue{issue_id::kOption, Severity::kError, asset.name, "takes the shadow map's texture unit; make the material system with a lower first_unit"};
+  }
+  return {};
+}
+
+GlBuffer makeFrameUniforms(const char* label) {
+  return makeBuffer(sizeof(SceneFrame), {}, GL_DYNAMIC_STORAGE_BIT, label);
+}
+
+void setViewport(glm::ivec2 size) { glViewportIndexedf(0, 0, 0, float(size.x), float(size.y)); }
+
+void setColorMask(GLboolean write) { glColorMaski(0, write, write, write, write); }
+
+// What every pass relies on; the caller's state is restored by GlDrawStateScope, which must know all of it. Of draw buffers and
+// viewports only the first is used, and set.
+void setPassState() {
+  glDisablei(GL_BLEND, 0);
+  glDisablei(GL_SCISSOR_TEST, 0);
+  glDisable(GL_STENCIL_TEST);
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_RASTERIZER_DISCARD);
+  glDisable(GL_COLOR_LOGIC_OP);
+  glDisable(GL_PRIMITIVE_RESTART);
+  glDisable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_SAMPLE_COVERAGE);
+  glDisable(GL_SAMPLE_MASK);
+  glDisable(GL_SAMPLE_SHADING);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_POLYGON_SMOOTH);
+  for (GLuint plane = 0; plane < 8; ++plane) glDisable(GL_CLIP_DISTANCE0 + plane);
+  glEnable(GL_MULTISAMPLE);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  glDepthRangeIndexed(0, 0, 1);
+  glClearDepth(1);
+  glCullFace(GL_BACK);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  setColorMask(GL_TRUE);
+  glBindSampler(SCENE_UNIT_SHADOW, 0);
+}
+
+}  // namespace
+
+struct FrameRenderer::Impl {
+  ShaderLibrary& shaders;
+  MaterialSystem& materials;
+  GpuScene scene;
+  GlBuffer frame_uniforms, shadow_uniforms;
+  ShadowMap shadow;
+  std::optional<ShadowRelief> shadow_drawn;
+  MultisampleTarget multisample;
+
+  View view;
+  FrameSettings settings;
+  std::vector<Drawable> visible;
+  std::vector<MaterialId> demanded;  // parallel to stats.demands
+  FrameStats stats;
+
+  void findVisible();
+  void demandMaterials();
+  MaterialId materialOf(int object) const;
+
+  SceneFrame frameData() const;
+  void uploadUniforms();
+  void drawObject(int object) const;
+  bool movesDepth(MaterialId id) const;
+  ShadowRelief shadowRelief() const;
+  Status use(std::string_view row, MaterialId id, PassProgram& current);
+  Status useForDepth(int object, PassProgram& current);
+  Status useForShading(int object, PassProgram& current);
+  Status drawShadowMap();
+  Status drawDepth();
+  Status drawShaded();
+  Status drawView(const FrameTarget& target);
+};
+
+// Front to back.
+void FrameRenderer::Impl::findVisible() {
+  const Frustum frustum = frustumOf(view.clip_from_world);
+  visible.clear();
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    const Bounds& box = scene.objects[i].bounds;
+    const bool seen = intersects(frustum, box) && !facesAway(scene.objects[i].facing, box, view.position);
+    if (settings.cull && !seen) continue;
+    visible.push_back({static_cast<int>(i), glm::distance(view.position, glm::clamp(view.position, box.min, box.max))});
+  }
+  std::stable_sort(visible.begin(), visible.end(),
+                   [](const Drawable& a, const Drawable& b) { return a.distance < b.distance; });
+}
+
+void FrameRenderer::Impl::demandMaterials() {
+  demanded.clear();
+  if (settings.base_materials_only) return;
+  std::vector<std::optional<float>> asked(scene.assets.size());
+  for (const Drawable& drawable : visible) {
+    const Object& object = scene.objects[drawable.object];
+    if (object.asset < 0) continue;
+    const int side = materials.material(scene.assets[object.asset].material.id()).side;
+    const float lambda =
+        settings.lambda.value_or(demandLambda(view, object.bounds, object.periods_per_metre, side));
+    std::optional<float>& least = asked[object.asset];
+    least = std::min(least.value_or(lambda), lambda);
+  }
+  for (size_t i = 0; i < asked.size(); ++i) {
+    if (!asked[i]) continue;
+    materials.demand(scene.assets[i].material.id(), *asked[i]);
+    demanded.push_back(scene.assets[i].material.id());
+    stats.demands.push_back({scene.assets[i].name, *asked[i], 0});
+  }
+}
+
+// None: drawn with its base material.
+MaterialId FrameRenderer::Impl::materialOf(int object) const {
+  const int asset = scene.objects[object].asset;
+  return settings.base_materials_only || asset < 0 ? MaterialId{} : scene.assets[asset].material.id();
+}
+
+SceneFrame FrameRenderer::Impl::frameData() const {
+  SceneFrame data{};
+  data.clip_from_world = view.clip_from_world;
+  data.shadow_from_world = scene.sun_view.texture_from_world;
+  data.camera_exposure = glm::vec4(view.position, settings.exposure);
+  if (scene.sun) {
+    data.sun_direction = glm::vec4(-scene.sun->direction, scene.sun_view.texel);
+    data.sun_irradiance = glm::vec4(scene.sun->intensity, 0);
+  }
+  data.flags.x = (scene.sun ? SCENE_SUN : 0) | (scene.sun && settings.shadows ? SCENE_SHADOWS : 0) |
+                 (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
+                 (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
+                 (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
+  if (settings.environment) setEnvironment(*settings.environment, data);
+  else setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
+  data.lambda = glm::vec4(settings.lambda.value_or(0), view.pixel_angle, 0, 0);
+  std::transform(scene.lights.begin(), scene.lights.end(), data.lights, lightData);
+  return data;
+}
+
+void FrameRenderer::Impl::uploadUniforms() {
+  SceneFrame frame = frameData();
+  glNamedBufferSubData(frame_uniforms.name(), 0, sizeof frame, &frame);
+  frame.clip_from_world = scene.sun_view.clip_from_world;
+  frame.flags.x |= SCENE_SUN_VIEW;
+  glNamedBufferSubData(shadow_uniforms.name(), 0, sizeof frame, &frame);
+}
+
+void FrameRenderer::Impl::drawObject(int index) const {
+  const Object& object = scene.objects[index];
+  const GpuMesh& mesh = scene.meshes[object.mesh];
+  glBindBufferRange(GL_UNIFORM_BUFFER, SCENE_BLOCK_OBJECT, scene.object_uniforms.name(),
+                    GLintptr(size_t(index) * scene.object_stride), sizeof(SceneObject));
+  glFrontFace(object.mirrored ? GL_CW : GL_CCW);
+  if (object.double_sided) glDisable(GL_CULL_FACE);
+  else glEnable(GL_CULL_FACE);
+  glBindVertexArray(mesh.array.name());
+  glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+}
+
+ShadowRelief FrameRenderer::Impl::shadowRelief() const {
+  if (!settings.parallax_depth || settings.base_materials_only) return {};
+  return {true, materials.reliefRevision(), settings.lambda};
+}
+
+Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, PassProgram& current) {
+  if (current.program != 0 && current.row == row && current.material == id) return {};
+  const Result<uint32_t> program = shaders.program(row, id ? materials.variant(id) : MaterialVariant{});
+  if (!program) return program.issue();
+  if (current.program != *program) ++current.changes;
+  glUseProgram(*program);
+  if (id) materials.bind(id);
+  current = {row, id, *program, current.changes};
+  return {};
+}
+
+bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
+  return settings.parallax_depth && id && hasRelief(materials.variant(id));
+}
+
+// An object's depth, as the camera or the sun sees it.
+Status FrameRenderer::Impl::useForDepth(int object, PassProgram& current) {
+  const MaterialId id = materialOf(object);
+  if (!movesDepth(id)) return use("scene_depth", {}, current);
+  return use(scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth", id, current);
+}
+
+Status FrameRenderer::Impl::useForShading(int object, PassProgram& current) {
+  const MaterialId id = materialOf(object);
+  const bool curved = scene.objects[object].curved && id && hasRelief(materials.variant(id));
+  if (movesDepth(id)) return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, current);
+  return use(curved ? "scene_forward_curved" : "scene_forward", id, current);
+}
+
+Status FrameRenderer::Impl::drawShadowMap() {
+  if (!scene.sun || !settings.shadows || shadow_drawn == shadowRelief()) return {};
+  const GlDebugGroup group("sun shadow");
+  if (!shadow.depth) shadow = makeShadowMap();
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow.framebuffer.name());
+  setViewport(glm::ivec2(ShadowMap::kSide));
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, shadow_uniforms.name());
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(2.0f, 2.0f);
+  PassProgram current;
+  for (size_t i = 0; i < scene.objects.size(); ++i) {
+    if (Status status = useForDepth(static_cast<int>(i), current); !status) return status;
+    drawObject(static_cast<int>(i));
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  stats.depth_draw_calls += static_cast<int>(scene.objects.size());
+  shadow_drawn = shadowRelief();
+  return {};
+}
+
+Status FrameRenderer::Impl::drawDepth() {
+  if (!settings.depth_prepass) return {};
+  const GlDebugGroup group("depth pre-pass");
+  setColorMask(GL_FALSE);
+  PassProgram current;
+  for (const Drawable& drawable : visible) {
+    if (Status status = useForDepth(drawable.object, current); !status) return status;
+    drawObject(drawable.object);
+    ++stats.depth_draw_calls;
+  }
+  setColorMask(GL_TRUE);
+  return {};
+}
+
+// By material and the way its surface is looked up, front to back within each.
+Status FrameRenderer::Impl::drawShaded() {
+  const GlDebugGroup group("shading");
+  std::vector<Drawable> order = visible;
+  const auto key = [&](const Drawable& drawable) {
+    return std::pair(materialOf(drawable.object).value, scene.objects[drawable.object].curved);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](const Drawable& a, const Drawable& b) { return key(a) < key(b); });
+  glDepthFunc(GL_LEQUAL);
+  PassProgram current;
+  for (const Drawable& drawable : order) {
+    if (Status status = useForShading(drawable.object, current); !status) return status;
+    drawObject(drawable.object);
+    ++stats.draw_calls;
+    stats.triangles += uint64_t(scene.meshes[scene.objects[drawable.object].mesh].index_count) / 3;
+  }
+  stats.program_changes += current.changes;
+  return {};
+}
+
+Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+  setViewport(target.size);
+  glClearColor(settings.background.r, settings.background.g, settings.background.b, 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, frame_uniforms.name());
+  if (shadow_drawn) glBindTextureUnit(SCENE_UNIT_SHADOW, shadow.depth.name());
+  if (Status status = drawDepth(); !status) return status;
+  return drawShaded();
+}
+
+FrameRenderer::FrameRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FrameRenderer::~FrameRenderer() = default;
+
+Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& device, ShaderLibrary& shaders,
+                                                             MaterialSystem& materials, const Scene& scene) {
+  const GlDrawStateScope scope(0, 0);
+  auto gpu = uploadScene(scene, device, materials);
+  if (!gpu) return gpu.issue();
+  if (const Status status = checkUnits(*gpu, device, materials); !status) return status.issue();
+  auto impl = std::unique_ptr<Impl>(new Impl{shaders, materials, std::move(gpu.value()),
+                                             makeFrameUniforms("frame uniforms"), makeFrameUniforms("shadow uniforms"),
+                                             {}, {}, {}, {}, {}, {}, {}, {}});
+  return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
+}
+
+void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {
+  impl_->view = view;
+  impl_->settings = settings;
+  impl_->stats = {};
+  impl_->findVisible();
+  impl_->stats.objects = static_cast<int>(impl_->scene.objects.size());
+  impl_->stats.visible_objects = static_cast<int>(impl_->visible.size());
+  impl_->demandMaterials();
+}
+
+Status FrameRenderer::draw(const FrameTarget& target) {
+  Impl& self = *impl_;
+  if (target.size.x < 1 || target.size.y < 1) return {};  // a minimised window
+  const GlDrawStateScope scope(kUnits, kUniformBindings);
+  self.uploadUniforms();
+  setPassState();
+  if (Status status = self.drawShadowMap(); !status) return status;
+
+  const bool sampled = self.settings.samples > 1;
+  if (sampled && !fits(self.multisample, target.size, self.settings.samples, target.framebuffer)) {
+    self.multisample = {};
+    Result<MultisampleTarget> made = makeMultisampleTarget(target.size, self.settings.samples, target.framebuffer);
+    if (!made) return made.issue();
+    self.multisample = std::move(made.value());
+  }
+  const FrameTarget view = sampled ? FrameTarget{self.multisample.framebuffer.name(), target.size} : target;
+  if (Status status = self.drawView(view); !status) return status;
+  if (sampled) resolve(self.multisample, target.framebuffer);
+
+  for (size_t i = 0; i < self.demanded.size(); ++i)
+    self.stats.demands[i].resident = self.materials.residentLambda(self.demanded[i]);
+  return {};
+}
+
+void FrameRenderer::finish() const { glFinish(); }
+
+const FrameStats& FrameRenderer::stats() const { return impl_->stats; }
+Bounds FrameRenderer::bounds() const { return impl_->scene.bounds; }
+
+}  // namespace loden::runtime

@@ -1,0 +1,392 @@
+#include "runtime/gl/material/material_system.h"
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "material/base/check.h"
+#include "material/base/issues.h"
+#include "runtime/gl/gl_state.h"
+#include "runtime/gl/material/gl_texture.h"
+#include "runtime/gl/material/material_gpu.h"
+#include "runtime/stream/residency.h"
+#include "runtime/stream/streaming.h"
+
+namespace loden::runtime {
+namespace {
+
+constexpr uint32_t kIndexBits = 20;
+constexpr uint32_t kMaxMaterials = (1u << kIndexBits) - 2;
+
+// A part on its way to the GPU.
+struct UploadJob {
+  PartTicket ticket;
+  LoadedPart part;
+  std::vector<GlTexture> textures;  // allocated one by one
+  TextureUpload upload;             // of textures.back()
+};
+
+struct Slot {
+  bool alive = false;
+  uint32_t generation = 0;
+  std::string name;
+  std::shared_ptr<const AssetFile> file;
+  MaterialVariant variant;
+  std::vector<PartPlan> plan;
+  std::vector<std::shared_ptr<const KeptTexels>> kept;  // per part: until the part that begins with it is asked for
+  std::vector<uint64_t> serials;  // per part: of the request that counts
+  MaterialGpu gpu;
+};
+
+struct Demand {
+  uint32_t slot;
+  float lambda;
+};
+
+// Whether a later part begins with what this one was made of.
+bool continues(const std::vector<PartPlan>& plan, uint32_t part) {
+  return std::any_of(plan.begin() + part + 1, plan.end(), [&](const PartPlan& later) {
+    return beginsWith(later.kind) == plan[part].kind && later.kind != plan[part].kind && later.band == plan[part].band;
+  });
+}
+
+Status checkOptions(const MaterialSystemOptions& options) {
+  const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
+  if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
+  if (!(options.release_seconds > 0)) return issue("release_seconds must be above 0");
+  constexpr int kTexels = AssetLimits::kMaxAtlasTexels, kDirections = AssetLimits::kMaxAtlasDirections;
+  if (const auto& size = options.atlas_size; size && (size->texels < 1 || size->directions < 1 || size->texels > kTexels || size->directions > kDirections))
+    return issue("atlas_size must be 1 to 128 texels and 1 to 45 directions");
+  if (options.first_unit < 0 || options.first_unit > 255) return issue("first_unit must be 0 to 255");
+  return {};
+}
+
+// Where the material's textures go.
+Status placeUnits(MaterialVariant& variant, const MaterialSystemOptions& options, const Capabilities& capabilities, const std::string& name) {
+  variant.first_unit = static_cast<uint8_t>(options.first_unit);
+  const int needed = options.first_unit + unitsOf(variant);
+  if (needed <= capabilities.max_fragment_textures) return {};
+  return Issue{issue_id::kLimit, Severity::kError, name,
+               "needs texture units up to " + std::to_string(needed) + ", and the driver has " + std::to_string(capabilities.max_fragment_textures)};
+}
+
+}  // namespace
+
+struct MaterialSystem::Impl {
+  Impl(const Device& d, const MaterialSystemOptions& o) : device(&d), options(o), residency(residencyOptions(o)) {}
+
+  static ResidencyOptions residencyOptions(const MaterialSystemOptions& options) {
+    ResidencyOptions r;
+    r.budget_bytes = options.budget_bytes;
+    r.fade_levels_per_second = options.fade_levels_per_second;
+    r.release_seconds = options.release_seconds;
+    return r;
+  }
+
+  const Slot& slotOf(MaterialId id) const {
+    LODEN_CHECK(id);
+    const uint32_t index = (id.value & ((1u << kIndexBits) - 1)) - 1;
+    LODEN_CHECK_LT(index, slots.size());
+    LODEN_CHECK(slots[index].alive);
+    LODEN_CHECK_EQ(slots[index].generation & 0xfffu, id.value >> kIndexBits);
+    return slots[index];
+  }
+  uint32_t indexOf(MaterialId id) const { return static_cast<uint32_t>(&slotOf(id) - slots.data()); }
+
+  void takeDeliveries();
+  void pumpUploads();
+  enum class Pumped { kUnderWay, kComplete, kNoMemory };
+  Pumped pumpJob(UploadJob& job, int64_t& budget);
+  bool allocateNext(UploadJob& job);
+  void fail(PartRef ref, Issue issue);
+  void finishJob(UploadJob& job);
+  void evict(PartRef ref);
+  void request(PartRef ref);
+  void publishActive();
+  ResidentState residentState(uint32_t index) const;
+  void countFrame();
+  void publish(uint32_t index) { relief_revision += slots[index].gpu.publish(residentState(index)) && hasRelief(slots[index].variant); }
+  bool current(const PartTicket& ticket) const {
+    const Slot& slot = slots[ticket.ref.slot];
+    return slot.alive && ticket.ref.part < slot.serials.size() && slot.serials[ticket.ref.part] == ticket.serial;
+  }
+
+  const Device* device;
+  MaterialSystemOptions options;
+  Residency residency;
+  SharedTextures shared;
+  std::vector<Slot> slots;  // index = residency slot
+  std::deque<UploadJob> uploads;
+  std::vector<Demand> demands, last_demands;
+  uint64_t next_serial = 1;
+  uint64_t relief_revision = 0;
+  MaterialStats stats;
+  std::atomic<uint64_t> read_bytes{0};
+  LoadingThreads loader;  // last: its threads end first; they get copies, and share read_bytes
+};
+
+Result<std::unique_ptr<MaterialSystem>> MaterialSystem::create(const Device& device,
+                                                               const MaterialSystemOptions& options) {
+  if (Status status = checkOptions(options); !status) return status.issue();
+  auto impl = std::make_unique<Impl>(device, options);
+  const GlPixelStateScope scope;
+  impl->shared.create();
+  return std::unique_ptr<MaterialSystem>(new MaterialSystem(std::move(impl)));
+}
+
+MaterialSystem::MaterialSystem(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MaterialSystem::~MaterialSystem() = default;
+
+Result<MaterialId> MaterialSystem::load(const std::filesystem::path& path) {
+  Result<std::unique_ptr<ByteSource>> source = openFileSource(path);
+  if (!source) return source.issue();
+  return load(std::shared_ptr<const ByteSource>(std::move(*source)), path.string());
+}
+
+Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source, const std::string& name) {
+  Impl& impl = *impl_;
+  auto counted = std::make_shared<CountingSource>(std::move(source), impl.read_bytes);
+  Result<AssetFile> opened = AssetFile::open(std::move(counted), name);
+  if (!opened) return opened.issue();
+  const auto file = std::make_shared<const AssetFile>(std::move(*opened));
+  Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
+  if (!variant) return variant.issue();
+  if (Status status = placeUnits(*variant, impl.options, impl.device->capabilities(), name); !status) return status.issue();
+  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, impl.options.atlas_size.value_or(file->skeleton().atlas));
+  if (Status status = checkExtents(file->skeleton(), plan, impl.device->capabilities()); !status)
+    return status.issue();
+  std::vector<PartDesc> descs;
+  for (const PartPlan& part : plan) descs.push_back(part.desc);
+  const uint32_t index = impl.residency.add(std::move(descs));
+  LODEN_CHECK_LT(index, kMaxMaterials);
+  if (index >= impl.slots.size()) impl.slots.resize(index + 1);
+
+  Slot& slot = impl.slots[index];
+  slot.alive = true;
+  slot.name = name;
+  slot.file = file;
+  slot.variant = *variant;
+  slot.plan = std::move(plan);
+  slot.serials.assign(slot.plan.size(), 0);
+  slot.kept.resize(slot.plan.size());
+  slot.gpu = MaterialGpu(file->skeleton(), *variant, name, slot.plan.size());
+  const GlPixelStateScope scope;
+  slot.gpu.create(impl.shared);
+  impl.publish(index);
+  for (const PartPlan& part : slot.plan) impl.stats.total_bytes += part.desc.bytes;
+  ++impl.stats.materials;
+  return MaterialId{(slot.generation & 0xfffu) << kIndexBits | (index + 1)};
+}
+
+void MaterialSystem::unload(MaterialId id) {
+  Impl& impl = *impl_;
+  const uint32_t index = impl.indexOf(id);
+  Slot& slot = impl.slots[index];
+  for (uint32_t part = 0; part < slot.plan.size(); ++part) impl.loader.cancel({index, part});
+  std::erase_if(impl.uploads, [index](const UploadJob& job) { return job.ticket.ref.slot == index; });
+  const auto of_slot = [index](const Demand& demand) { return demand.slot == index; };
+  std::erase_if(impl.demands, of_slot);
+  std::erase_if(impl.last_demands, of_slot);
+  impl.residency.remove(index);
+  for (const PartPlan& part : slot.plan) impl.stats.total_bytes -= part.desc.bytes;
+  --impl.stats.materials;
+  const uint32_t generation = slot.generation + 1;
+  slot = {};
+  slot.generation = generation;
+}
+
+void MaterialSystem::setBudget(uint64_t bytes) { impl_->residency.setBudget(bytes); }
+
+MaterialVariant MaterialSystem::variant(MaterialId id) const { return impl_->slotOf(id).variant; }
+const Material& MaterialSystem::material(MaterialId id) const { return impl_->slotOf(id).file->skeleton(); }
+const MaterialStats& MaterialSystem::stats() const { return impl_->stats; }
+void MaterialSystem::bind(MaterialId id) { impl_->slotOf(id).gpu.bind(); }
+
+float MaterialSystem::residentLambda(MaterialId id) const {
+  return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
+}
+
+uint64_t MaterialSystem::reliefRevision() const { return impl_->relief_revision; }
+
+void MaterialSystem::demand(MaterialId id, float lambda) {
+  const uint32_t index = impl_->indexOf(id);
+  impl_->residency.demand(index, lambda);
+  impl_->demands.push_back({index, lambda});
+}
+
+void MaterialSystem::update(float seconds) {
+  Impl& impl = *impl_;
+  impl.takeDeliveries();
+  impl.pumpUploads();
+  const Residency::Actions& actions = impl.residency.advance(seconds);
+  for (PartRef ref : actions.evict) impl.evict(ref);
+  for (PartRef ref : actions.load) impl.request(ref);
+  impl.publishActive();
+  impl.countFrame();
+  impl.last_demands = std::exchange(impl.demands, {});
+}
+
+void MaterialSystem::finishLoading() {
+  Impl& impl = *impl_;
+  const std::vector<Demand> wanted = impl.demands.empty() ? impl.last_demands : impl.demands;
+  do {
+    if (impl.uploads.empty()) impl.loader.wait();
+    impl.demands.clear();
+    for (const Demand& demand : wanted) {
+      impl.residency.demand(demand.slot, demand.lambda);
+      impl.demands.push_back(demand);
+    }
+    update(0);
+  } while (!impl.residency.settled());
+  impl.residency.endFades();
+  impl.publishActive();
+}
+
+void MaterialSystem::contextLost() {
+  Impl& impl = *impl_;
+  for (UploadJob& job : impl.uploads)
+    for (GlTexture& texture : job.textures) texture.release();
+  impl.uploads.clear();
+  impl.shared.contextLost();
+  for (Slot& slot : impl.slots) {
+    slot.gpu.contextLost();
+    std::fill(slot.serials.begin(), slot.serials.end(), 0);  // what is being read no longer counts
+    std::fill(slot.kept.begin(), slot.kept.end(), nullptr);
+  }
+  impl.residency.dropAll();
+}
+
+Status MaterialSystem::contextRestored() {
+  Impl& impl = *impl_;
+  const GlPixelStateScope scope;
+  impl.shared.create();
+  for (uint32_t index = 0; index < impl.slots.size(); ++index) {
+    if (!impl.slots[index].alive) continue;
+    impl.slots[index].gpu.create(impl.shared);
+    impl.publish(index);
+  }
+  return {};
+}
+
+void MaterialSystem::Impl::takeDeliveries() {
+  for (LoadingThreads::Delivery& delivery : loader.take()) {
+    if (!current(delivery.ticket)) continue;
+    if (delivery.part) {
+      uploads.push_back({delivery.ticket, std::move(*delivery.part), {}, {}});
+      continue;
+    }
+    fail(delivery.ticket.ref, delivery.part.issue());
+  }
+}
+
+void MaterialSystem::Impl::fail(PartRef ref, Issue issue) {
+  issue.severity = Severity::kWarning;
+  issue.text += "; a coarser level is shown instead";
+  device->log(issue);
+  ++stats.failed_parts;
+  if (issue.id == issue_id::kMemory) ++stats.failed_memory;
+  residency.failed(ref);
+}
+
+void MaterialSystem::Impl::pumpUploads() {
+  const auto bound = int64_t(std::clamp<uint64_t>(options.upload_bytes_per_frame, 1, INT64_MAX));  // a step uploads a row at least
+  int64_t budget = bound;
+  std::optional<GlPixelStateScope> scope;
+  if (!uploads.empty()) scope.emplace();
+  while (!uploads.empty()) {
+    UploadJob& job = uploads.front();
+    const Pumped pumped = pumpJob(job, budget);
+    if (pumped == Pumped::kUnderWay) break;
+    if (pumped == Pumped::kComplete)
+      finishJob(job);
+    else
+      fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name, "the driver has no memory for a texture"});
+    uploads.pop_front();
+  }
+  stats.uploaded_last_frame = uint64_t(bound - budget);
+  stats.uploaded_bytes += stats.uploaded_last_frame;
+}
+
+MaterialSystem::Impl::Pumped MaterialSystem::Impl::pumpJob(UploadJob& job, int64_t& budget) {
+  while (budget > 0) {
+    if (job.textures.empty() && !allocateNext(job)) return Pumped::kNoMemory;
+    const PartTexture& part = job.part.textures[job.textures.size() - 1];
+    if (!job.upload.step(part, job.textures.back().name(), budget)) continue;
+    if (job.textures.size() == job.part.textures.size()) return Pumped::kComplete;
+    if (!allocateNext(job)) return Pumped::kNoMemory;
+  }
+  return Pumped::kUnderWay;
+}
+
+// False if there is no memory.
+bool MaterialSystem::Impl::allocateNext(UploadJob& job) {
+  const PartTexture& next = job.part.textures[job.textures.size()];
+  GlTexture texture = allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label);
+  if (!texture) return false;
+  job.textures.push_back(std::move(texture));
+  job.upload = {};
+  return true;
+}
+
+void MaterialSystem::Impl::finishJob(UploadJob& job) {
+  Slot& slot = slots[job.ticket.ref.slot];
+  slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
+  if (continues(slot.plan, job.ticket.ref.part)) slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
+  residency.arrived(job.ticket.ref);
+}
+
+void MaterialSystem::Impl::evict(PartRef ref) {
+  Slot& slot = slots[ref.slot];
+  slot.serials[ref.part] = 0;
+  slot.gpu.dropPart(ref.part);
+  slot.kept[ref.part].reset();
+  loader.cancel(ref);
+  std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
+  ++stats.evicted_parts;
+}
+
+void MaterialSystem::Impl::request(PartRef ref) {
+  Slot& slot = slots[ref.slot];
+  slot.serials[ref.part] = next_serial++;
+  const PartPlan& plan = slot.plan[ref.part];
+  std::shared_ptr<const KeptTexels> kept;
+  for (uint32_t part = 0; part < ref.part; ++part)
+    if (slot.plan[part].kind == beginsWith(plan.kind) && slot.plan[part].band == plan.band) kept = std::exchange(slot.kept[part], {});
+  loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(kept), options.atlas_threads});
+}
+
+ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
+  const Slot& slot = slots[index];
+  ResidentState state;
+  state.lambda = residency.publishedLambda(index);
+  for (uint32_t part = 0; part < slot.plan.size(); ++part) {
+    if (!residency.resident({index, part})) continue;
+    const PartPlan& plan = slot.plan[part];
+    const uint32_t band = 1u << plan.band;
+    if (plan.kind == PartKind::kBandLead) state.bands |= band, state.leads |= band;
+    if (plan.kind == PartKind::kBand) {
+      state.bands |= band;
+      state.leads &= ~band;
+      state.rest[size_t(plan.band)] = plan.desc.refines ? residency.shownShare({index, part}) : 1;
+    }
+    if (plan.kind == PartKind::kSurfaceTail || plan.kind == PartKind::kSurface) state.tail = plan.kind == PartKind::kSurfaceTail;
+    if (plan.kind == PartKind::kGeometry || plan.kind == PartKind::kAtlas) state.atlas = plan.atlas;
+  }
+  return state;
+}
+
+void MaterialSystem::Impl::publishActive() {
+  for (const uint32_t index : residency.active()) publish(index);
+}
+
+void MaterialSystem::Impl::countFrame() {
+  stats.resident_bytes = residency.committedBytes();
+  stats.peak_bytes = std::max(stats.peak_bytes, stats.resident_bytes);
+  stats.parts_resident = residency.residentParts();
+  stats.parts_in_flight = residency.loadingParts();
+  stats.read_bytes = read_bytes;
+}
+
+}  // namespace loden::runtime

@@ -1,0 +1,68 @@
+// Private to the glTF loader: what its parts share. The only header of the runtime that names tinygltf.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+// The packaged library decodes no image for us, and needs no stb here.
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include "material/base/issues.h"
+#include "material/base/result.h"
+#include "runtime/scene/scene.h"
+
+namespace loden::runtime::gltf {
+
+// A parsed document and the scene under construction.
+struct Reader {
+  const tinygltf::Model& model;
+  std::filesystem::path folder;  // of the file
+  std::string file;              // for messages
+  Scene scene;
+  // Scene meshes of each glTF mesh, with their materials.
+  struct Part {
+    int mesh = 0, material = -1;
+  };
+  std::vector<std::vector<Part>> parts;
+
+  Issue issue(int id, const std::string& place, std::string text) const {
+    return {id, Severity::kError, file + ": " + place, std::move(text)};
+  }
+  void note(int id, const std::string& place, std::string text) {
+    scene.notes.push_back({id, Severity::kWarning, file + ": " + place, std::move(text)});
+  }
+};
+
+inline std::string at(const std::string& array, size_t index) { return array + "[" + std::to_string(index) + "]"; }
+
+// The bytes of a buffer view, checked in 64 bit.
+struct View {
+  const unsigned char* data = nullptr;
+  uint64_t size = 0;
+  uint64_t stride = 0;  // 0: packed
+};
+Result<View> readView(const Reader& reader, int view, const std::string& place);
+
+// `components` (1..4) floats per element, of a float or normalised integer accessor; every value finite.
+Result<std::vector<float>> readFloats(const Reader& reader, int accessor, int components, const std::string& place);
+// Unsigned integers of a scalar accessor, each below `limit`.
+Result<std::vector<uint32_t>> readIndices(const Reader& reader, int accessor, uint32_t limit, const std::string& place);
+
+// Parts of the document, in the order in which they depend on each other.
+Status readAssets(Reader& reader);
+Status readMaterials(Reader& reader);
+Status readMeshes(Reader& reader);
+Status readNodes(Reader& reader);  // with the cameras and lights that hang on them
+
+// Members of extension and extras objects; nothing if absent or of another type.
+std::optional<double> numberMember(const tinygltf::Value& object, const char* key);
+std::optional<int> indexMember(const tinygltf::Value& object, const char* key);
+std::string stringMember(const tinygltf::Value& object, const char* key);
+
+}  // namespace loden::runtime::gltf

@@ -1,0 +1,30 @@
+#include "runtime/scene/scene.h"
+
+#include <limits>
+
+namespace loden::runtime {
+
+Bounds boundsOf(const Mesh& mesh) {
+  if (mesh.vertices.empty()) return {};
+  Bounds bounds{mesh.vertices[0].position, mesh.vertices[0].position};
+  for (const Vertex& vertex : mesh.vertices) {
+    bounds.min = glm::min(bounds.min, vertex.position);
+    bounds.max = glm::max(bounds.max, vertex.position);
+  }
+  return bounds;
+}
+
+Bounds transformed(const Bounds& bounds, const glm::mat4& transform) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Bounds result{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 local((corner & 1) ? bounds.max.x : bounds.min.x, (corner & 2) ? bounds.max.y : bounds.min.y,
+                          (corner & 4) ? bounds.max.z : bounds.min.z);
+    const glm::vec3 world(transform * glm::vec4(local, 1));
+    result.min = glm::min(result.min, world);
+    result.max = glm::max(result.max, world);
+  }
+  return result;
+}
+
+}  // namespace loden::runtime

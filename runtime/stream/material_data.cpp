@@ -1,0 +1,176 @@
+#include "runtime/stream/material_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "material/asset/asset.h"
+#include "material/model/environment.h"
+#include "material/base/issues.h"
+#include "runtime/stream/shader_variants.h"
+
+namespace loden::runtime {
+
+static_assert(LODEN_ENVIRONMENT_BASIS == kEnvironmentBasis && LODEN_ENVIRONMENT_THETAS == kEnvironmentThetas);
+
+namespace {
+
+// A highlight below this, of white, is left out with its map.
+constexpr float kLeastSpecular = 1.0f / 2048;
+
+// Reciprocal of a ramp's length; a step becomes a very steep ramp.
+float ramp(float begin, float end) { return 1.0f / std::max(end - begin, 1e-6f); }
+
+glm::vec4 windowData(const Window& w) {
+  return {w.in_begin, ramp(w.in_begin, w.in_end), w.out_end, ramp(w.out_begin, w.out_end)};
+}
+
+LodenBandData bandData(const Band& band) {
+  LodenBandData data{};
+  data.window = windowData(band.window);
+  data.lambda_first = band.lambda_first, data.last_mip = float(band.weights.mips - 1);
+  data.side = float(band.weights.width), data.per_table_depth = 1.0f / float(band.table.depth);
+  const DirectionGrid grid = environmentGrid(band, 0);  // the table's, where that has one
+  data.grid = {grid.thetas, grid.phis};
+  data.per_grid = {1.0f / float(grid.thetas * grid.thetas), 1.0f / float(grid.phis)};
+  if (band.domain == Domain::kFlat) data.bits |= LODEN_BAND_FLAT;
+  if (band.filter == WeightFilter::kLinear) data.bits |= LODEN_BAND_LINEAR;
+  if (band.ratio) data.bits |= LODEN_BAND_RATIO;
+  if (band.light_quads > 0) data.bits |= LODEN_BAND_LIGHT;
+  data.y_quads = band.y_quads, data.chroma_quads = band.chroma_quads, data.ratio_layer = band.quads();
+  data.light_thetas = band.light_table.height, data.light_phis = band.light_table.width;
+  data.light_quads = band.light_quads, data.light_layer = band.lightLayer();
+  std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
+  data.ratio_scale = band.ratio_scale;
+  data.rest_share = 1;
+  return data;
+}
+
+// Reads the leading part's textures.
+void readLead(LodenBandData& data, const Band& band) {
+  data.y_quads = data.ratio_layer = band.lead_quads, data.chroma_quads = 0;
+  data.per_table_depth *= float(band.quads()) / float(band.lead_quads);
+}
+
+// The quads behind the leading ones count by `share`.
+void fadeRest(LodenBandData& data, const Band& band, float share) {
+  for (int quad = band.lead_quads; quad < band.quads(); ++quad) data.quad_scale[quad] = band.quad_scale[size_t(quad)] * share;
+  data.rest_share = share;
+  data.first_rest = float(band.lead_quads);
+}
+
+Issue limitIssue(const Material& material, const std::string& text) {
+  return {issue_id::kLimit, Severity::kError, material.name, text};
+}
+
+int lightFactors(const Material& material) {
+  return int(std::count_if(material.bands.begin(), material.bands.end(), [](const Band& band) { return band.light_quads > 0; }));
+}
+
+static_assert(ShaderLimits::kMaxBands == LODEN_MAX_BANDS && ShaderLimits::kMaxQuads == LODEN_MAX_QUADS);
+
+Status checkBands(const Material& material) {
+  if (material.bands.empty()) return limitIssue(material, "a material without bands and surface maps cannot be drawn");
+  if (material.bands.size() > LODEN_MAX_BANDS)
+    return limitIssue(material, std::to_string(material.bands.size()) + " bands, shaders read " +
+                                    std::to_string(LODEN_MAX_BANDS) + "; cook with fewer levels");
+  if (lightFactors(material) > (material.bands.size() <= kMostLightFactorBands ? 1 : 0))
+    return limitIssue(material, "more than one light factor, or one among more than " + std::to_string(kMostLightFactorBands) + " bands");
+  for (const Band& band : material.bands) {
+    if (band.layout != material.bands.front().layout) return limitIssue(material, "bands mix table layouts");
+    const int quads = band.quads() + band.light_quads;
+    if (band.quads() < 1 || quads > LODEN_MAX_QUADS || band.quad_scale.size() != size_t(quads))
+      return limitIssue(material, "a band of " + std::to_string(quads) + " quads, shaders read 1 to " +
+                                      std::to_string(LODEN_MAX_QUADS) + "; cook with fewer components");
+  }
+  return {};
+}
+
+bool readsParameter(const Material& material) {
+  if (material.mode == Mode::kSurface) return true;
+  return std::any_of(material.bands.begin(), material.bands.end(),
+                     [](const Band& band) { return band.domain == Domain::kFlat; });
+}
+
+}  // namespace
+
+Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup) {
+  MaterialVariant variant;
+  if (material.mode == Mode::kSurface) {
+    if (!material.surface) return limitIssue(material, "a surface material without surface maps cannot be drawn");
+    variant.kind = MaterialVariant::Kind::kSurface;
+  } else {
+    if (Status status = checkBands(material); !status) return status.issue();
+    variant.kind = MaterialVariant::Kind::kBands;
+    variant.bands = static_cast<uint8_t>(material.bands.size());
+    variant.nearest_tables = material.bands.front().layout == TableLayout::kNearest;
+    variant.light_factor = lightFactors(material) > 0;
+  }
+  const bool has_geometry = material.geometry.side() > 0;
+  if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
+  if (material.stored_vdim && !variant.nearest_tables && !variant.light_factor && (lookup == Lookup::kPaper || !has_geometry))
+    variant.lookup = Lookup::kPaper;
+  else if (has_geometry)
+    variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
+  return variant;
+}
+
+LodenMaterialData makeMaterialData(const Material& m) {
+  LodenMaterialData data{};
+  if (m.mean.chroma == MeanChroma::kRatio) data.bits |= LODEN_MEAN_RATIO;
+  if (m.cosine_included) data.bits |= LODEN_COSINE_INCLUDED;
+  if (m.geometry.identity_parameterization) data.bits |= LODEN_IDENTITY;
+  if (m.mode == Mode::kLod) data.bits |= LODEN_CLAMP_LAMBDA;
+  if (m.surface && m.surface->specular_scale > kLeastSpecular) data.bits |= LODEN_SPECULAR;
+  data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
+  data.mean_chroma = {m.mean.cb, m.mean.cr};
+  data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
+  data.geometry_range = packedRange(m.geometry), data.geometry_side = float(m.geometry.side());
+  if (m.stored_vdim) {
+    data.paper_range = m.stored_vdim->range;
+    data.paper_size = {m.stored_vdim->zeniths, m.stored_vdim->azimuths};
+  }
+  data.value_scale = m.value_scale, data.side = float(m.side), data.lambda_max = m.lambda_max;
+  if (m.surface) data.specular_scale = m.surface->specular_scale, data.surface_lambda = m.surface->lambda_first;
+  if (!m.bands.empty()) {
+    const EnvironmentMean mean = environmentMean(m);
+    std::copy(mean.rows.begin(), mean.rows.end(), data.environment_mean);
+    data.environment_unit = mean.unit;
+  }
+  for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b) data.bands[b] = bandData(m.bands[b]);
+  return data;
+}
+
+float coarsestLevel(const Material& material) {
+  if (material.mode != Mode::kSurface || !material.surface) return material.lambda_max;
+  const SurfaceMaps& maps = *material.surface;
+  return maps.lambda_first + float(std::max({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1);
+}
+
+float coarsestFade(const Material& material) { return material.mode == Mode::kSurface ? 3 : 1; }
+
+float coarsestShare(const Material& material, const ResidentState& state) {
+  return glm::clamp((coarsestLevel(material) - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);
+}
+
+void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state) {
+  data.resident_lambda = std::max(std::min(state.lambda, coarsestLevel(material)), material.lambda_min);
+  data.geometry_resident = state.atlas.texels > 0 ? 1 : 0;
+  data.atlas_texels = state.atlas.texels, data.atlas_directions = state.atlas.directions;
+  if (material.surface) data.surface_lambda = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
+  // A band that is needed at every lambda has no window to come in by: its weight follows the published
+  // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
+  const float share = coarsestShare(material, state);
+  for (size_t b = 0; b < std::min<size_t>(material.bands.size(), LODEN_MAX_BANDS); ++b) {
+    const Window& window = material.bands[b].window;
+    data.bands[b] = bandData(material.bands[b]);
+    if ((state.leads >> b & 1) != 0) readLead(data.bands[b], material.bands[b]);
+    else if (material.bands[b].lead_quads > 0) fadeRest(data.bands[b], material.bands[b], state.rest[b]);
+    const bool resident = (state.bands >> b & 1) != 0;
+    if (!resident)
+      data.bands[b].window = {0, 0, 0, 0};
+    else if (window.out_end > material.lambda_max && share < 1)
+      data.bands[b].window = {data.bands[b].window.x, data.bands[b].window.y, 1e6f, share * 1e-6f};
+  }
+}
+
+}  // namespace loden::runtime

@@ -1,0 +1,254 @@
+#include "runtime/stream/material_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "material/model/environment.h"
+#include "material/base/issues.h"
+#include "material/model/leading_part.h"
+#include "runtime/stream/material_data.h"
+#include "shaders/loden_shared.h"
+
+namespace loden::runtime {
+namespace {
+
+// Bands without an end, and the coarsest, are needed everywhere.
+float bandEnd(const Material& material, const Band& band) {
+  return std::min(band.window.out_end, material.lambda_max + coarsestFade(material));
+}
+
+// Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a quarter
+// of a texel shown or more, at slopes up to 11 (85 degrees); material/model/vdim.h.
+float parallaxEnd(const Material& material) {
+  if (!material.geometry.identity_parameterization) return material.lambda_max + 1;
+  const float texels = std::abs(material.geometry.range.z) * float(material.side) * 4 * 11;
+  return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
+}
+
+PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize full) {
+  const VdimAtlasSize atlas = vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas) ? kFirstVdimAtlas : full;
+  return {PartKind::kGeometry, 0, atlas, {vdimAtlasBytes(material.geometry, atlas), lambda_end}};
+}
+
+// The depths alone: image and volume stay those of the geometry part.
+PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
+  return {PartKind::kAtlas, 0, full, {vdimDepthBytes(full), std::min(lambda_end, kFirstAtlasLambda), true}};
+}
+
+PartPlan storedVdimPart(const Material& material, float lambda_end) {
+  const PaperVdim& vdim = *material.stored_vdim;
+  return {PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
+}
+
+// The maps, or first their tail and further on the whole.
+void addSurface(std::vector<PartPlan>& parts, const Material& material) {
+  const SurfaceMaps& maps = *material.surface;
+  const bool split = maps.tail_mip > 0;
+  parts.push_back({split ? PartKind::kSurfaceTail : PartKind::kSurface, 0, {}, {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)}});
+}
+void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
+  const SurfaceMaps& maps = *material.surface;
+  if (maps.tail_mip == 0) return;
+  PartDesc desc{gpuBytes(maps), maps.lambda_first + float(maps.tail_mip)};
+  desc.takes_over = true;
+  const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) { return part.desc.lambda_end < desc.lambda_end; });
+  parts.insert(finer, {PartKind::kSurface, 0, {}, desc});
+}
+
+bool readsAtlas(Lookup lookup) { return lookup == Lookup::kFast || lookup == Lookup::kDefault; }
+
+void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end, VdimAtlasSize full) {
+  if (lookup == Lookup::kPaper) parts.push_back(storedVdimPart(material, end));
+  if (readsAtlas(lookup)) parts.push_back(geometryPart(material, end, full));
+}
+
+void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAtlasSize full) {
+  if (readsAtlas(lookup) && vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas)) parts.push_back(atlasPart(end, full));
+}
+
+void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
+  for (int b = int(material.bands.size()) - 1; b >= 0; --b) {
+    const Band& band = material.bands[size_t(b)];
+    if (band.domain != domain) continue;
+    const float end = bandEnd(material, band);
+    const bool split = band.lead_quads > 0;
+    if (split) parts.push_back({PartKind::kBandLead, b, {}, {gpuBytes(leadOf(band)), end}});
+    parts.push_back({PartKind::kBand, b, {}, {gpuBytes(band), end, split}});
+  }
+}
+
+template <class Texels>
+std::shared_ptr<const KeptTexels> keeping(Texels KeptTexels::*member, Texels texels) {
+  auto kept = std::make_shared<KeptTexels>();
+  (*kept).*member = std::move(texels);
+  return kept;
+}
+
+Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Share share, const KeptTexels* kept) {
+  Result<Band> band = file.loadBand(index, share, kept ? &kept->lead : nullptr);
+  if (!band) return band.issue();
+  const Sampling weights = band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
+  const Sampling table = band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
+  Texture environment = environmentTable(file.skeleton(), *band);
+  LoadedPart part;
+  if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::lead, *band);
+  part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
+  const int bands = static_cast<int>(file.skeleton().bands.size());
+  part.textures.push_back({LODEN_UNIT_TABLE(bands) + index, table, false, "table", std::move(band->table)});
+  if (band->light_quads > 0)
+    part.textures.push_back({LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
+  part.textures.push_back({LODEN_UNIT_ENVIRONMENT(bands) + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
+  return part;
+}
+
+PartTexture depthTexture(Texture depth) {
+  return {LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(depth)};
+}
+
+Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads, const std::stop_token& stop) {
+  Result<GeometryImage> image = file.loadGeometry();
+  if (!image) return image.issue();
+  if (Status status = checkVdimWork(*image, size); !status) return status.issue();
+  VdimAtlas atlas = buildVdimAtlas(*image, size, threads, stop);
+  LoadedPart part;
+  part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
+  part.textures.push_back(depthTexture(std::move(atlas.depth)));
+  if (!atlas.volume.empty())
+    part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
+  if (size == kFirstVdimAtlas) part.kept = keeping(&KeptTexels::geometry, std::move(*image));
+  return part;
+}
+
+Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads, const std::stop_token& stop) {
+  GeometryImage read;
+  if (!kept) {
+    Result<GeometryImage> image = file.loadGeometry();
+    if (!image) return image.issue();
+    read = std::move(*image);
+  }
+  const GeometryImage& image = kept ? kept->geometry : read;
+  if (Status status = checkVdimWork(image, size); !status) return status.issue();
+  LoadedPart part;
+  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads, stop)));
+  return part;
+}
+
+Result<LoadedPart> loadStoredVdimPart(const AssetFile& file) {
+  Result<PaperVdim> vdim = file.loadStoredVdim();
+  if (!vdim) return vdim.issue();
+  LoadedPart part;
+  part.textures.push_back({LODEN_UNIT_PAPER_REFERENCE, Sampling::kRepeatNearest, false, "VDIM reference", std::move(vdim->reference)});
+  part.textures.push_back({LODEN_UNIT_PAPER_PACKED, Sampling::kRepeatLinear, false, "VDIM packed", std::move(vdim->packed)});
+  return part;
+}
+
+Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share, const KeptTexels* kept) {
+  Result<SurfaceMaps> maps = file.loadSurface(share, kept ? &kept->tail : nullptr);
+  if (!maps) return maps.issue();
+  LoadedPart part;
+  if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::tail, *maps);
+  part.textures.push_back({LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
+  part.textures.push_back({LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
+  part.textures.push_back({LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});
+  return part;
+}
+
+// Of a texture that is going to be allocated.
+struct Extents {
+  const char* what;
+  TextureShape shape;
+  glm::ivec3 size;
+};
+
+std::string extentsText(glm::ivec3 size) {
+  return std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z);
+}
+
+void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& part) {
+  const VdimAtlasSize atlas = part.atlas;
+  const auto add = [&all](const char* what, const Texture& t) {
+    all.push_back({what, t.shape, {t.width, t.height, t.depth}});
+  };
+  switch (part.kind) {
+    case PartKind::kBandLead:
+    case PartKind::kSurfaceTail: return;  // the whole follows, and is larger
+    case PartKind::kBand:
+      add("band weights", material.bands[size_t(part.band)].weights);
+      add("a band table", material.bands[size_t(part.band)].table);
+      if (material.bands[size_t(part.band)].light_quads > 0) add("a light table", material.bands[size_t(part.band)].light_table);
+      return;
+    case PartKind::kGeometry:
+      add("a geometry image", material.geometry.texels);
+      [[fallthrough]];
+    case PartKind::kAtlas:
+      all.push_back({"a VDIM atlas", TextureShape::kArray2D,
+                     {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
+      return;
+    case PartKind::kStoredVdim:
+      add("a VDIM reference", material.stored_vdim->reference);
+      return add("a packed VDIM", material.stored_vdim->packed);
+    case PartKind::kSurface:
+      add("a normal map", material.surface->normal);
+      add("a diffuse map", material.surface->diffuse);
+      return add("a specular map", material.surface->specular);
+  }
+}
+
+}  // namespace
+
+std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant, VdimAtlasSize full_atlas) {
+  std::vector<PartPlan> parts;
+  if (variant.kind == MaterialVariant::Kind::kSurface) {
+    const float end = parallaxEnd(material);
+    addSurface(parts, material);
+    addLookupPart(parts, material, variant.lookup, end, full_atlas);
+    addWholeSurface(parts, material);
+    addFullAtlas(parts, variant.lookup, end, full_atlas);
+    return parts;
+  }
+  addBands(parts, material, Domain::kReference);
+  float flat_end = 0;
+  for (const Band& band : material.bands)
+    if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
+  addLookupPart(parts, material, variant.lookup, flat_end, full_atlas);
+  addBands(parts, material, Domain::kFlat);
+  addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
+  return parts;
+}
+
+Status checkExtents(const Material& material, std::span<const PartPlan> parts, const Capabilities& gl) {
+  std::vector<Extents> textures;
+  for (const PartPlan& part : parts) addExtents(textures, material, part);
+  for (const Extents& t : textures) {
+    const bool volume = t.shape == TextureShape::kVolume;
+    const int side = volume ? gl.max_volume_side : gl.max_texture_side;
+    const int depth = volume ? gl.max_volume_side : gl.max_array_layers;
+    if (t.size.x <= side && t.size.y <= side && t.size.z <= depth) continue;
+    return Issue{issue_id::kLimit, Severity::kError, material.name,
+                 std::string(t.what) + " of " + extentsText(t.size) + " texels, this driver takes " +
+                     extentsText({side, side, depth})};
+  }
+  return {};
+}
+
+PartKind beginsWith(PartKind kind) {
+  if (kind == PartKind::kBand) return PartKind::kBandLead;
+  if (kind == PartKind::kAtlas) return PartKind::kGeometry;
+  return kind == PartKind::kSurface ? PartKind::kSurfaceTail : kind;
+}
+
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads, const std::stop_token& stop) {
+  using enum AssetFile::Share;
+  switch (plan.kind) {
+    case PartKind::kBandLead: return loadBandPart(file, plan.band, kFirst, nullptr);
+    case PartKind::kBand: return loadBandPart(file, plan.band, kAll, kept);
+    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads, stop);
+    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads, stop);
+    case PartKind::kStoredVdim: return loadStoredVdimPart(file);
+    case PartKind::kSurfaceTail: return loadSurfacePart(file, kFirst, nullptr);
+    case PartKind::kSurface: break;
+  }
+  return loadSurfacePart(file, kAll, kept);
+}
+
+}  // namespace loden::runtime

@@ -36,7 +36,8 @@ NonFinite findNonFinite(std::span<const float> values) {
 std::string placeOf(size_t index, const MapShape& shape, const std::string& layer) {
   const size_t texel = index / size_t(shape.channels), texels = size_t(shape.width) * size_t(shape.height);
   const size_t inside = texel % texels;
-  const std::string place = "texel (" + std::to_string(inside % size_t(shape.width)) + ", " + std::to_string(inside / size_t(shape.width)) + ")";
+  const std::string place = "texel (" + std::to_string(inside % size_t(shape.width)) + ", " +
+                            std::to_string(inside / size_t(shape.width)) + ")";
   return layer.empty() ? place : layer + " " + std::to_string(texel / texels) + ", " + place;
 }
 
@@ -46,12 +47,14 @@ namespace {
 float meanOfNeighbours(std::span<const float> values, const MapShape& s, size_t index) {
   const size_t channels = size_t(s.channels), texels = size_t(s.width) * size_t(s.height);
   const size_t texel = index / channels, layer = texel / texels * texels;
-  const int x = static_cast<int>(texel % texels % size_t(s.width)), y = static_cast<int>(texel % texels / size_t(s.width));
+  const int x = static_cast<int>(texel % texels % size_t(s.width)),
+            y = static_cast<int>(texel % texels / size_t(s.width));
   double sum = 0;
   int count = 0;
   for (int k = 0; k < 9; ++k) {
     const int i = (x + k % 3 - 1 + s.width) % s.width, j = (y + k / 3 - 1 + s.height) % s.height;
-    const float value = values[(layer + size_t(j) * size_t(s.width) + size_t(i)) * channels + index % channels];
+    const float value =
+        values[(layer + size_t(j) * size_t(s.width) + size_t(i)) * channels + index % channels];
     if (std::isfinite(value)) sum += double(value), ++count;
   }
   return count > 0 ? static_cast<float>(sum / count) : std::nanf("");
@@ -60,7 +63,8 @@ float meanOfNeighbours(std::span<const float> values, const MapShape& s, size_t 
 }  // namespace
 
 NonFinite repairNonFinite(std::span<float> values, const MapShape& shape) {
-  LODEN_CHECK_EQ(values.size(), size_t(shape.layers) * size_t(shape.width) * size_t(shape.height) * size_t(shape.channels));
+  LODEN_CHECK_EQ(values.size(),
+                 size_t(shape.layers) * size_t(shape.width) * size_t(shape.height) * size_t(shape.channels));
   const NonFinite found = findNonFinite(values);
   std::vector<size_t> left;
   for (size_t i = found.first; found.count > 0 && i < values.size(); ++i)
@@ -70,8 +74,10 @@ NonFinite repairNonFinite(std::span<float> values, const MapShape& shape) {
     std::vector<size_t> still;
     for (const size_t i : left) {
       const float mean = meanOfNeighbours(values, shape, i);
-      if (std::isfinite(mean)) repaired.emplace_back(i, mean);
-      else still.push_back(i);
+      if (std::isfinite(mean))
+        repaired.emplace_back(i, mean);
+      else
+        still.push_back(i);
     }
     // What has no finite value anywhere in its layer.
     if (repaired.empty())
@@ -80,39 +86,6 @@ NonFinite repairNonFinite(std::span<float> values, const MapShape& shape) {
     left = repaired.empty() ? std::vector<size_t>() : std::move(still);
   }
   return found;
-}
-
-namespace {
-
-class RepairedSource : public BtfSource {
- public:
-  RepairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log) : source_(std::move(source)), log_(std::move(log)) {}
-  const std::string& name() const override { return source_->name(); }
-  glm::ivec2 size() const override { return source_->size(); }
-  const DirectionSet& lights() const override { return source_->lights(); }
-  const DirectionSet& views() const override { return source_->views(); }
-
-  Result<std::vector<glm::vec3>> view(int view) const override {
-    auto values = source_->view(view);
-    if (!values) return values;
-    const MapShape shape{lights().size(), size().x, size().y, 3};
-    static_assert(sizeof(glm::vec3) == 3 * sizeof(float));
-    const NonFinite found = repairNonFinite({&values->data()->x, values->size() * 3}, shape);
-    char part[32];
-    std::snprintf(part, sizeof part, "view %04d", view);
-    if (found.count > 0) log_->add(part, found.count, placeOf(found.first, shape, "light"));
-    return values;
-  }
-
- private:
-  std::unique_ptr<BtfSource> source_;
-  std::shared_ptr<RepairLog> log_;
-};
-
-}  // namespace
-
-std::unique_ptr<BtfSource> repairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log) {
-  return std::make_unique<RepairedSource>(std::move(source), std::move(log));
 }
 
 }  // namespace loden::importer

@@ -3,20 +3,17 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
-
-#include "importer/btf/btf_source.h"
 
 namespace loden::importer {
 
 // Repairs of one input, over all its maps. Thread safe.
 class RepairLog {
  public:
-  // `count` values or vertices of the part were repaired, the first of them at `first`. A part that is read again
-  // counts once. Parts are reported in the order of their names.
+  // `count` values or vertices of the part were repaired, the first of them at `first`. A part that is read
+  // again counts once. Parts are reported in the order of their names.
   void add(const std::string& part, uint64_t count, const std::string& first);
   uint64_t count() const;
   std::string first() const;  // "part: place"; empty if nothing was repaired
@@ -45,8 +42,5 @@ std::string placeOf(size_t index, const MapShape& shape, const std::string& laye
 // neighbours (the map wraps around), from the border of a damaged area inwards; 0 if the layer has none.
 // What was there before comes back.
 NonFinite repairNonFinite(std::span<float> values, const MapShape& shape);
-
-// The source, repaired view by view and noted in the log. Colours that are not finite are replaced channel by channel.
-std::unique_ptr<BtfSource> repairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log);
 
 }  // namespace loden::importer

@@ -10,9 +10,12 @@
 //   vdim/latlong_ZxA.exr       float, channels: per (zenith z, azimuth a) a cell of size x size with
 //                              p - x (2 channels), cell (a, z); views as PaperVdim lays them out
 //   vdim/concentric_N.exr      float, 1 channel: per view of the runtime's own grid of N x N directions
-//                              (vdimViewFromSquare at cell centres) a cell of size x size with z of the first hit
-//   surface/geometry.exr       float: X - p.x, Y - p.y, Z, chart over p, geometry_size squared; charts reach a
-//                              texel beyond their borders; chart 0 is no surface, there XYZ only continue the nearest
+//                              (vdimViewFromSquare at cell centres) a cell of size x size with z of the first
+//                              hit
+//   surface/geometry.exr       float: X - p.x, Y - p.y, Z, chart over p, geometry_size squared; charts reach
+//   a
+//                              texel beyond their borders; chart 0 is no surface, there XYZ only continue the
+//                              nearest
 //   surface/normal.exr, diffuse.exr (RGB), specular.exr (strength, exponent): over p, flat_size squared
 #pragma once
 
@@ -25,9 +28,8 @@
 #include <vector>
 
 #include "importer/btf/fill_method.h"
-#include "importer/tile/tile.h"
-#include "material/model/directions.h"
 #include "material/base/result.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 
@@ -38,22 +40,22 @@ inline constexpr int kBakeRevision = 4;
 
 struct BakeManifest {
   int revision = kBakeRevision;
-  std::string tile;         // as given to `loden bake`
-  std::string input_hash;   // XXH3-128 of the tile's geometry, hex
-  int size = 64;            // reference texels per side
+  std::string tile;        // as given to `loden bake`
+  std::string input_hash;  // XXH3-128 of the tile's geometry, hex
+  int size = 64;           // reference texels per side
   int flat_size = 64;
   int geometry_size = 128;
   int supersample = 2;
   int bounces = 0;
   FillMethod fill = FillMethod::kPushPull;
   TexelMethod texels = TexelMethod::kMean;
-  DirectionSet directions;  // lights and views alike
-  std::vector<glm::ivec2> vdims;  // (zeniths, azimuths) of each stored latlong map
+  DirectionSet directions;            // lights and views alike
+  std::vector<glm::ivec2> vdims;      // (zeniths, azimuths) of each stored latlong map
   std::vector<int> concentric_vdims;  // directions per side of each stored depth map
   bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;
   bool identity_parameterization = false;
-  // Of the tile's parameterization: triangles that lie the wrong way round in p, and surface area per parameter
-  // area relative to its mean (coefficient of variation, percentiles over p).
+  // Of the tile's parameterization: triangles that lie the wrong way round in p, and surface area per
+  // parameter area relative to its mean (coefficient of variation, percentiles over p).
   int flipped_triangles = 0;
   double area_cv = 0, area_p5 = 1, area_p95 = 1;
 };
@@ -61,10 +63,11 @@ struct BakeManifest {
 // A finished baked output, read view by view (a 256 x 256 one does not fit in memory at once).
 class BakedOutput {
  public:
-  // Maps with values that are not finite are refused, with count and first place; with a log they are repaired and
-  // noted there (importer/base/repair_log.h). The BTF's values are looked at where they are used: by the fits, and by
-  // bakedSource if there is a log.
-  static Result<BakedOutput> open(const std::filesystem::path& folder, std::shared_ptr<RepairLog> repairs = nullptr);
+  // Maps with values that are not finite are refused, with count and first place; with a log they are
+  // repaired and noted there (importer/base/repair_log.h). The BTF's values are looked at where they are
+  // used: by the fits, and by bakedSource if there is a log.
+  static Result<BakedOutput> open(const std::filesystem::path& folder,
+                                  std::shared_ptr<RepairLog> repairs = nullptr);
 
   // Of a bake that has not finished: its files may be missing.
   static BakedOutput unfinished(const std::filesystem::path& folder, BakeManifest manifest);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "importer/base/repair_log.h"
+#include "importer/btf/finite_source.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -45,7 +45,8 @@ Hit<float> flatHit(const Evaluator& evaluator, glm::dvec2 p, double lambda, cons
 Hit<float> hitAt(const Evaluator& evaluator, const MaterialSampling& sampling, glm::dvec2 texel,
                  const glm::dvec3& wo) {
   if (sampling.domain == Domain::kFlat) return flatHit(evaluator, texel, sampling.lambda, wo);
-  return evaluator.findHit(glm::vec2(texel), static_cast<float>(sampling.lambda), glm::vec3(wo), sampling.lookup);
+  return evaluator.findHit(glm::vec2(texel), static_cast<float>(sampling.lambda), glm::vec3(wo),
+                           sampling.lookup);
 }
 
 class MaterialSource : public BtfSource {
@@ -68,7 +69,8 @@ class MaterialSource : public BtfSource {
       const glm::dvec2 centre((texel % side + .5) / side, (texel / side + .5) / side);
       const Hit<float> hit = hitAt(evaluator_, sampling_, centre, wo);
       for (int l = 0; l < lights; ++l)
-        values[l * texels + texel] = evaluator_.evaluate(hit, glm::vec3(sampling_.lights.samples[l]), glm::vec3(wo));
+        values[l * texels + texel] =
+            evaluator_.evaluate(hit, glm::vec3(sampling_.lights.samples[l]), glm::vec3(wo));
     }
     return values;
   }
@@ -93,14 +95,19 @@ Result<Lookup> prepareLookup(Evaluator& evaluator, Lookup lookup, const std::fil
   const Material& material = evaluator.material();
   if (material.mode == Mode::kLod || lookup == Lookup::kNone) return Lookup::kNone;
   const auto refuse = [&](const std::string& why) {
-    return Issue{issue_id::kOption, Severity::kError, path.string(), "cannot be looked up by --lookup " + std::string(lookupName(lookup)) + ": " + why};
+    return Issue{issue_id::kOption, Severity::kError, path.string(),
+                 "cannot be looked up by --lookup " + std::string(lookupName(lookup)) + ": " + why};
   };
   const bool has_atlas = !evaluator.atlas().depth.empty();
-  if (lookup == Lookup::kPaper && !material.stored_vdim) return refuse("the asset has no published indirection map; cook the bake with --mode surface --preset seed");
+  if (lookup == Lookup::kPaper && !material.stored_vdim)
+    return refuse(
+        "the asset has no published indirection map; cook the bake with --mode surface --preset seed");
   if (lookup == Lookup::kDefault && !has_atlas) return material.stored_vdim ? Lookup::kPaper : Lookup::kNone;
-  if (lookup != Lookup::kPaper && !has_atlas) return refuse("the asset has no geometry image; bake with --maps surface and cook again");
+  if (lookup != Lookup::kPaper && !has_atlas)
+    return refuse("the asset has no geometry image; bake with --maps surface and cook again");
   if (lookup == Lookup::kQuality && material.geometry.side() > kMostCubicSide)
-    return refuse("its geometry image has more than " + std::to_string(kMostCubicSide) + " texels a side; bake with a smaller --geometry-size");
+    return refuse("its geometry image has more than " + std::to_string(kMostCubicSide) +
+                  " texels a side; bake with a smaller --geometry-size");
   if (lookup == Lookup::kQuality) evaluator.prepareQuality();
   return lookup;
 }

@@ -4,11 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "importer/base/file_read.h"
+#include "importer/btf/compare.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
-#include "importer/btf/compare.h"
-#include "importer/base/file_read.h"
 #include "material/asset/asset.h"
+#include "material/system/asset_io.h"
 
 namespace loden::importer {
 namespace {
@@ -33,35 +34,42 @@ std::string sumsText(const std::string& title, const ErrorSums& sums) {
   line("Y", sums.y());
   line("Cb", sums.cb());
   line("Cr", sums.cr());
-  return text + formatted("  Lab (CIE76, D65) mean %.4f, max %.4f; PSNR %.2f dB\n", sums.labMean(), sums.labMax(), sums.psnr());
+  return text + formatted("  Lab (CIE76, D65) mean %.4f, max %.4f; PSNR %.2f dB\n", sums.labMean(),
+                          sums.labMax(), sums.psnr());
 }
 
 class CompareCommand : public Command {
  public:
   std::string_view name() const override { return "compare"; }
-  std::string_view summary() const override { return "Measure how far a material or picture is from another"; }
+  std::string_view summary() const override {
+    return "Measure how far a material or picture is from another";
+  }
 
   void declare(Options& options) override {
     options.path("reference", reference_, "Baked output, asset or picture", true);
     options.path("test", test_, "Asset or picture (or a baked output against a baked output)", true);
     options.choice("--lookup", lookup_, {"default", "fast", "paper", "quality", "none"}, "How assets find p");
-    options.integer("--level", compare_.level, "Level of detail: the reference is averaged over 2^N x 2^N texels", 0, 12);
+    options.integer("--level", compare_.level,
+                    "Level of detail: the reference is averaged over 2^N x 2^N texels", 0, 12);
     options.integer("--every", compare_.every, "Only every N-th view and light", 1, 1000);
     options.number("--fail", fail_, "Exit with 7 if the metric is worse than X", true);
     options.choice("--metric", metric_, {"rmse", "mae", "lab", "flip", "psnr"},
                    "What --fail looks at: rmse and mae of Y, mean Lab, mean FLIP, or PSNR (worse = below)");
-    options.footer("Pictures: integer formats are decoded from sRGB, EXR and HDR are linear. White Lambert = 1.\n"
-                   "FLIP of materials is the mean over one 2-D slice per view.");
+    options.footer(
+        "Pictures: integer formats are decoded from sRGB, EXR and HDR are linear. White Lambert = 1.\n"
+        "FLIP of materials is the mean over one 2-D slice per view.");
   }
 
   int run(const GlobalOptions& globals) override {
     compare_.threads = globals.threads;
     compare_.quiet = globals.quiet;
     for (const auto& path : {reference_, test_})
-      if (const Status status = checkOpens(path, Openable::kFileOrFolder); !status) return fail(status.issue());
+      if (const Status status = checkOpens(path, Openable::kFileOrFolder); !status)
+        return fail(status.issue());
     const bool pictures = inputKind(reference_) == InputKind::kPicture;
     if (pictures != (inputKind(test_) == InputKind::kPicture))
-      return failUsage("a picture can be compared with a picture only; `loden extract` makes one of a material");
+      return failUsage(
+          "a picture can be compared with a picture only; `loden extract` makes one of a material");
     if (inputKind(reference_) == InputKind::kAsset && inputKind(test_) == InputKind::kBakedOutput)
       return failUsage("a baked output is the reference for an asset: name it first");
     return pictures ? runPictures(globals) : runMaterials(globals);
@@ -96,9 +104,11 @@ class CompareCommand : public Command {
     if (const Status status = loadBaked(reference_, reference); !status) return fail(status.issue());
     if (const Status status = loadBaked(test_, test); !status) return fail(status.issue());
     const DirectionSet directions = commonDirections(reference, test);
-    if (const Status status = loadAsset(reference_, reference, directions, 0, globals); !status) return fail(status.issue());
+    if (const Status status = loadAsset(reference_, reference, directions, 0, globals); !status)
+      return fail(status.issue());
     const int side = reference.source->size().x >> compare_.level;
-    if (const Status status = loadAsset(test_, test, directions, side, globals); !status) return fail(status.issue());
+    if (const Status status = loadAsset(test_, test, directions, side, globals); !status)
+      return fail(status.issue());
     const auto difference = compareBtfs(*reference.source, *test.source, compare_);
     if (!difference) return fail(difference.issue());
     Json json = header("btf");
@@ -109,7 +119,10 @@ class CompareCommand : public Command {
       json["theta_up_to_60"] = sumsJson(difference->low);
       json["theta_over_60"] = sumsJson(difference->high);
       const Spread& images = difference->image_rmse_y;
-      json["images"] = {{"count", difference->images}, {"rmse_y_mean", images.mean}, {"rmse_y_min", images.min}, {"rmse_y_max", images.max}};
+      json["images"] = {{"count", difference->images},
+                        {"rmse_y_mean", images.mean},
+                        {"rmse_y_min", images.min},
+                        {"rmse_y_max", images.max}};
       json["flip"] = {{"mean", difference->flip_mean}};
     }
     return finish(globals, json, difference->all, difference->flip_mean);
@@ -130,8 +143,8 @@ class CompareCommand : public Command {
     return test.source ? test.source->views() : bonn81Directions();
   }
 
-  Status loadAsset(const std::filesystem::path& path, Loaded& loaded, const DirectionSet& directions, int side,
-                   const GlobalOptions& globals) const {
+  Status loadAsset(const std::filesystem::path& path, Loaded& loaded, const DirectionSet& directions,
+                   int side, const GlobalOptions& globals) const {
     if (loaded.source) return {};
     auto material = readAsset(path);
     if (!material) return material.issue();
@@ -140,12 +153,16 @@ class CompareCommand : public Command {
     const auto lookup = prepareLookup(*loaded.evaluator, lookupNamed(lookup_).value(), path);
     if (!lookup) return lookup.issue();
     const double lambda = side > 0 ? compare_.level : 0;  // the reference is averaged from full resolution
-    loaded.source = materialSource(*loaded.evaluator, {side, lambda, *lookup, Domain::kReference, directions, directions});
+    loaded.source = materialSource(*loaded.evaluator,
+                                   {side, lambda, *lookup, Domain::kReference, directions, directions});
     return {};
   }
 
   Json header(const char* kind) const {
-    return {{"kind", kind}, {"reference", reference_.string()}, {"test", test_.string()}, {"level", compare_.level},
+    return {{"kind", kind},
+            {"reference", reference_.string()},
+            {"test", test_.string()},
+            {"level", compare_.level},
             {"lookup", lookup_}};
   }
 
@@ -153,20 +170,26 @@ class CompareCommand : public Command {
     const Spread& images = difference.image_rmse_y;
     printText(sumsText("all", difference.all) + sumsText("theta <= 60", difference.low) +
               (difference.high.count() ? sumsText("theta > 60", difference.high) : "") +
-              formatted("%d light-view images: RMSE of Y mean %.6f, min %.6f, max %.6f; FLIP mean %.6f\n", difference.images,
-                        images.mean, images.min, images.max, difference.flip_mean));
+              formatted("%d light-view images: RMSE of Y mean %.6f, min %.6f, max %.6f; FLIP mean %.6f\n",
+                        difference.images, images.mean, images.min, images.max, difference.flip_mean));
   }
 
   int finish(const GlobalOptions& globals, Json json, const ErrorSums& sums, double flip_mean) const {
     const bool higher_is_better = metric_ == "psnr";
-    const double value = metric_ == "rmse" ? sums.y().rmse : metric_ == "mae" ? sums.y().mae
-                         : metric_ == "lab" ? sums.labMean() : metric_ == "flip" ? flip_mean : sums.psnr();
-    const bool failed = !std::isnan(fail_) && !(higher_is_better ? value >= fail_ : value <= fail_);  // NaN fails
+    const double value = metric_ == "rmse"   ? sums.y().rmse
+                         : metric_ == "mae"  ? sums.y().mae
+                         : metric_ == "lab"  ? sums.labMean()
+                         : metric_ == "flip" ? flip_mean
+                                             : sums.psnr();
+    const bool failed =
+        !std::isnan(fail_) && !(higher_is_better ? value >= fail_ : value <= fail_);  // NaN fails
     if (globals.json) {
-      if (!std::isnan(fail_)) json["fail"] = {{"metric", metric_}, {"limit", fail_}, {"value", value}, {"failed", failed}};
+      if (!std::isnan(fail_))
+        json["fail"] = {{"metric", metric_}, {"limit", fail_}, {"value", value}, {"failed", failed}};
       printJson("compare", json);
     }
-    if (failed) note(globals, formatted("difference found: %s is %g, the limit is %g", metric_.c_str(), value, fail_));
+    if (failed)
+      note(globals, formatted("difference found: %s is %g, the limit is %g", metric_.c_str(), value, fail_));
     return failed ? kExitDifference : kExitOk;
   }
 

@@ -3,14 +3,15 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "importer/btf/finite_source.h"
+#include "importer/btf/measured/measured.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
 #include "importer/cook/cook.h"
-#include "importer/btf/measured/measured.h"
-#include "importer/base/repair_log.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
+#include "material/system/asset_io.h"
 
 namespace loden::importer {
 namespace {
@@ -19,7 +20,8 @@ namespace {
 uint64_t rawBytes(const Material& material) {
   uint64_t bytes = material.geometry.texels.data.size();
   for (const Band& band : material.bands) bytes += band.bytes();
-  if (material.stored_vdim) bytes += material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
+  if (material.stored_vdim)
+    bytes += material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
   if (material.surface)
     bytes += material.surface->normal.data.size() + material.surface->diffuse.data.size() +
              material.surface->specular.data.size();
@@ -29,24 +31,35 @@ uint64_t rawBytes(const Material& material) {
 class CookCommand : public Command {
  public:
   std::string_view name() const override { return "cook"; }
-  std::string_view summary() const override { return "Fit a baked or measured BTF and write the asset that the runtime draws"; }
+  std::string_view summary() const override {
+    return "Fit a baked or measured BTF and write the asset that the runtime draws";
+  }
 
   void declare(Options& options) override {
     options.path("input", input_, "Baked output, Bonn image folder, or UBO2014 .btf file", true);
     options.path("-o,--output", output_, "Asset to write, .loden", true);
     options.choice("--mode", mode_, {"fused", "lod", "surface"},
-                   "fused: fine bands on the tile, coarse ones on the plane; lod: Ma et al. 2005; surface: normal and diffuse map");
+                   "fused: fine bands on the tile, coarse ones on the plane; lod: Ma et al. 2005; surface: "
+                   "normal and diffuse map");
     options.choice("--preset", preset_, {"seed", "game", "reference"},
                    "seed: as published; game: 8 bit, small; reference: as exact as it gets");
-    options.text("--components", components_, "Y,CB,CR components; fused: CB = CR for what a ratio to Y leaves; default: the preset's");
+    options.text("--components", components_,
+                 "Y,CB,CR components; fused: CB = CR for what a ratio to Y leaves; default: the preset's");
     options.choice("--shadows", shadows_, {"joint", "split"},
                    "fused: cast shadows in the components, or in a map of their own that multiplies them");
-    options.integer("--light-components", cook_.light_components, "Components of that map; 0: the preset's, or what a goal leaves room for", 0, 32);
-    options.integer("--levels", cook_.levels, "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
-    options.flag("--fix-nonfinite", fix_nonfinite_, "Repair values that are not finite from their neighbours, and say so");
-    options.bytes("--max-bytes", cook_.max_bytes, "Goal: at most this many bytes before compression, for example 600k");
+    options.integer("--light-components", cook_.light_components,
+                    "Components of that map; 0: the preset's, or what a goal leaves room for", 0, 32);
+    options.integer(
+        "--levels", cook_.levels,
+        "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
+    options.flag("--fix-nonfinite", fix_nonfinite_,
+                 "Repair values that are not finite from their neighbours, and say so");
+    options.bytes("--max-bytes", cook_.max_bytes,
+                  "Goal: at most this many bytes before compression, for example 600k");
     options.number("--target-rmse", cook_.target_rmse, "Goal: at most this error of Y, white = 1; 0: none");
-    options.flag("--explain", explain_, "Print the trade of bytes against error that a goal measured, as a table (* : none better in both)");
+    options.flag(
+        "--explain", explain_,
+        "Print the trade of bytes against error that a goal measured, as a table (* : none better in both)");
     options.footer("Example: loden cook out/pulli -o pulli.loden --max-bytes 600k");
   }
 
@@ -65,14 +78,17 @@ class CookCommand : public Command {
       return writeAsset(*material, output_);
     }();
     if (!written) return fail(written.issue());
-    print(globals, *material, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    print(globals, *material,
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return kExitOk;
   }
 
  private:
   Status parse() {
     cook_.mode = mode_ == "lod" ? Mode::kLod : mode_ == "surface" ? Mode::kSurface : Mode::kFused;
-    cook_.preset = preset_ == "seed" ? Preset::kSeed : preset_ == "reference" ? Preset::kReference : Preset::kGame;
+    cook_.preset = preset_ == "seed"        ? Preset::kSeed
+                   : preset_ == "reference" ? Preset::kReference
+                                            : Preset::kGame;
     cook_.shadows = shadows_ == "split" ? Shadows::kSplit : Shadows::kJoint;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
@@ -83,20 +99,26 @@ class CookCommand : public Command {
     if (!numbers) return numbers.issue();
     for (const double number : *numbers)
       if (number < 0 || number > 256 || number != static_cast<int>(number))
-        return Issue{issue_id::kOption, Severity::kError, "--components", "'" + components_ + "' is not three numbers from 0 to 256"};
+        return Issue{issue_id::kOption, Severity::kError, "--components",
+                     "'" + components_ + "' is not three numbers from 0 to 256"};
     cook_.y_components = static_cast<int>((*numbers)[0]);
     cook_.cb_components = static_cast<int>((*numbers)[1]);
     cook_.cr_components = static_cast<int>((*numbers)[2]);
     return {};
   }
 
-  // "builtin:pulli" and "tiles/pulli.glb" -> "pulli"; as names of assets are: UTF-8 without control characters.
+  // "builtin:pulli" and "tiles/pulli.glb" -> "pulli"; as names of assets are: UTF-8 without control
+  // characters.
   static std::string nameOf(const std::string& tile) {
     constexpr std::string_view kBuiltin = "builtin:";
     using Json = nlohmann::ordered_json;
-    const Json stem = std::filesystem::path(tile.starts_with(kBuiltin) ? tile.substr(kBuiltin.size()) : tile).stem().string();
-    std::string name = Json::parse(stem.dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-    std::replace_if(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '_');
+    const Json stem = std::filesystem::path(tile.starts_with(kBuiltin) ? tile.substr(kBuiltin.size()) : tile)
+                          .stem()
+                          .string();
+    std::string name =
+        Json::parse(stem.dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '_');
     return name;
   }
 
@@ -127,15 +149,21 @@ class CookCommand : public Command {
     const uint64_t file_bytes = std::filesystem::file_size(output_), raw_bytes = rawBytes(material);
     if (globals.json) {
       const auto meta = nlohmann::ordered_json::parse(material.meta_json, nullptr, false);
-      printJson("cook", {{"input", input_.string()}, {"asset", output_.string()}, {"mode", modeName(material.mode)},
-                         {"preset", preset_}, {"bands", material.bands.size()}, {"raw_bytes", raw_bytes},
-                         {"file_bytes", file_bytes}, {"seconds", seconds},
+      printJson("cook", {{"input", input_.string()},
+                         {"asset", output_.string()},
+                         {"mode", modeName(material.mode)},
+                         {"preset", preset_},
+                         {"bands", material.bands.size()},
+                         {"raw_bytes", raw_bytes},
+                         {"file_bytes", file_bytes},
+                         {"seconds", seconds},
                          {"repaired", repairsJson(repairs_.get())},
                          {"cook", meta.is_discarded() ? nlohmann::ordered_json() : meta}});
       return;
     }
-    printText(formatted("%s: %s, %zu bands, %s bytes raw, %s on disk, %.1f s\n", output_.c_str(), modeName(material.mode),
-                        material.bands.size(), withThousands(raw_bytes).c_str(), withThousands(file_bytes).c_str(), seconds));
+    printText(formatted("%s: %s, %zu bands, %s bytes raw, %s on disk, %.1f s\n", output_.c_str(),
+                        modeName(material.mode), material.bands.size(), withThousands(raw_bytes).c_str(),
+                        withThousands(file_bytes).c_str(), seconds));
     if (globals.verbose) printText(material.meta_json + "\n");
     printError(material);
     if (explain_) printTrade(material);
@@ -145,9 +173,11 @@ class CookCommand : public Command {
     const auto meta = nlohmann::ordered_json::parse(material.meta_json, nullptr, false);
     if (!meta.is_object() || !meta.contains("error")) return;
     const auto rmse = [&](const char* channel) { return meta["error"][channel].value("rmse", 0.0); };
-    printText(formatted("RMSE at the sampled directions, white = 1: Y %.4f, Cb %.4f, Cr %.4f; %s components, %s bytes on the GPU\n",
-                        rmse("y"), rmse("cb"), rmse("cr"), meta.value("components", std::string()).c_str(),
-                        withThousands(meta.value("gpu_bytes", uint64_t{0})).c_str()));
+    printText(
+        formatted("RMSE at the sampled directions, white = 1: Y %.4f, Cb %.4f, Cr %.4f; %s components, %s "
+                  "bytes on the GPU\n",
+                  rmse("y"), rmse("cb"), rmse("cr"), meta.value("components", std::string()).c_str(),
+                  withThousands(meta.value("gpu_bytes", uint64_t{0})).c_str()));
   }
 
   // '*' marks the candidates that no other one beats in both bytes and error.
@@ -157,26 +187,35 @@ class CookCommand : public Command {
       printText("no trade was measured: give --max-bytes or --target-rmse with --mode fused\n");
       return;
     }
-    std::string text = "trade, measured with shortened fits (the asset's own error stands above). light: components of the light factor; phis: columns of the flat map's direction grid;\n"
-                       "flat x: its texels to one of the reference; geometry: texels per side of the geometry image\n";
-    text += formatted("%12s %6s %5s %6s %5s %9s %12s %10s\n", "Y components", "light", "phis", "flat x", "bits", "geometry", "bytes", "RMSE of Y");
+    std::string text =
+        "trade, measured with shortened fits (the asset's own error stands above). light: components of the "
+        "light factor; phis: columns of the flat map's direction grid;\n"
+        "flat x: its texels to one of the reference; geometry: texels per side of the geometry image\n";
+    text += formatted("%12s %6s %5s %6s %5s %9s %12s %10s\n", "Y components", "light", "phis", "flat x",
+                      "bits", "geometry", "bytes", "RMSE of Y");
     for (const auto& point : meta["trade"])
-      text += formatted("%12d %6d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0), point.value("light_components", 0), point.value("phis", 0),
-                        point.value("flat_scale", 0.0), point.value("bits", 0), point.value("geometry_side", 0),
-                        withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
-                        point.value("pareto", false) ? " *" : "");
+      text +=
+          formatted("%12d %6d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0),
+                    point.value("light_components", 0), point.value("phis", 0),
+                    point.value("flat_scale", 0.0), point.value("bits", 0), point.value("geometry_side", 0),
+                    withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
+                    point.value("pareto", false) ? " *" : "");
     printText(text + levelsText(material));
   }
 
-  // The goal's error is that of lambda 0, where the coarser levels are not read, so it cannot weigh them: what they cost is said instead.
+  // The goal's error is that of lambda 0, where the coarser levels are not read, so it cannot weigh them:
+  // what they cost is said instead.
   static std::string levelsText(const Material& material) {
     if (material.bands.size() < 2) return "levels: the flat map alone\n";
     const Band& coarse = material.bands.back();
     uint64_t beyond = coarse.weights.data.size();
-    beyond -= textureBytes(coarse.weights.format, uint64_t(coarse.weights.width), uint64_t(coarse.weights.height), uint64_t(coarse.weights.depth), 1);
-    return formatted("levels: not part of the trade, as the error above is that of lambda 0. From lambda 1 on they cost %s bytes, from 2 on %s; "
-                     "--levels N keeps the N finest\n",
-                     withThousands(coarse.bytes()).c_str(), withThousands(beyond).c_str());
+    beyond -= textureBytes(coarse.weights.format, uint64_t(coarse.weights.width),
+                           uint64_t(coarse.weights.height), uint64_t(coarse.weights.depth), 1);
+    return formatted(
+        "levels: not part of the trade, as the error above is that of lambda 0. From lambda 1 on they cost "
+        "%s bytes, from 2 on %s; "
+        "--levels N keeps the N finest\n",
+        withThousands(coarse.bytes()).c_str(), withThousands(beyond).c_str());
   }
 
   std::filesystem::path input_, output_;

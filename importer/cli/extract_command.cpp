@@ -2,15 +2,17 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "importer/base/file_read.h"
+#include "importer/base/picture.h"
 #include "importer/btf/btf_source.h"
+#include "importer/btf/packed_lod.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
-#include "importer/base/file_read.h"
-#include "importer/btf/packed_lod.h"
-#include "importer/base/picture.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
+#include "material/system/asset_io.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
@@ -43,10 +45,12 @@ template <class Value, class ToPixel>
 Picture mosaic(const std::vector<Value>& values, int side, int columns, const ToPixel& to_pixel) {
   const int cells = static_cast<int>(values.size() / (size_t(side) * size_t(side)));
   const int rows = (cells + columns - 1) / columns;
-  Picture picture{side * columns, side * rows, std::vector<glm::vec4>(size_t(side) * size_t(side) * size_t(columns) * size_t(rows))};
+  Picture picture{side * columns, side * rows,
+                  std::vector<glm::vec4>(size_t(side) * size_t(side) * size_t(columns) * size_t(rows))};
   for (int cell = 0; cell < cells; ++cell)
     for (int t = 0; t < side * side; ++t)
-      picture.at(cell % columns * side + t % side, cell / columns * side + side - 1 - t / side) = to_pixel(values[size_t(cell) * size_t(side) * size_t(side) + size_t(t)]);
+      picture.at(cell % columns * side + t % side, cell / columns * side + side - 1 - t / side) =
+          to_pixel(values[size_t(cell) * size_t(side) * size_t(side) + size_t(t)]);
   return picture;
 }
 
@@ -57,7 +61,8 @@ NamedTextures texturesOf(const Material& material) {
   for (size_t b = 0; b < material.bands.size(); ++b) {
     all.emplace_back("band" + std::to_string(b) + ".weights", &material.bands[b].weights);
     all.emplace_back("band" + std::to_string(b) + ".table", &material.bands[b].table);
-    if (material.bands[b].light_quads > 0) all.emplace_back("band" + std::to_string(b) + ".light_table", &material.bands[b].light_table);
+    if (material.bands[b].light_quads > 0)
+      all.emplace_back("band" + std::to_string(b) + ".light_table", &material.bands[b].light_table);
   }
   if (!material.geometry.empty()) all.emplace_back("geometry", &material.geometry.texels);
   if (material.stored_vdim) {
@@ -75,17 +80,24 @@ NamedTextures texturesOf(const Material& material) {
 class ExtractCommand : public Command {
  public:
   std::string_view name() const override { return "extract"; }
-  std::string_view summary() const override { return "Write one light-view slice of a material, or a stored map, as a picture"; }
+  std::string_view summary() const override {
+    return "Write one light-view slice of a material, or a stored map, as a picture";
+  }
 
   void declare(Options& options) override {
     options.path("input", input_, "Asset (decoded slice) or baked output (true slice)", true);
     options.text("--light", light_, "Light direction THETA,PHI in degrees");
     options.text("--view", view_, "View direction THETA,PHI in degrees");
     options.number("--lambda", lambda_, "Level of detail");
-    options.choice("--domain", domain_, {"reference", "flat"}, "reference: as seen, over x; flat: unwrapped, over p");
-    options.choice("--lookup", lookup_, {"default", "fast", "paper", "quality", "none"}, "How the asset finds p");
+    options.choice("--domain", domain_, {"reference", "flat"},
+                   "reference: as seen, over x; flat: unwrapped, over p");
+    options.choice("--lookup", lookup_, {"default", "fast", "paper", "quality", "none"},
+                   "How the asset finds p");
     options.integer("--side", side_, "Texels per side; 0: the material's at lambda", 0, 8192);
-    options.text("--map", map_, "Write this stored map instead, for example normal, band0.weights, or of a bake vdim.latlong:16x16; a wrong name lists those there are; of a seed preset also packed.eigen and packed.weights (Ma et al. 2005, figure 5)");
+    options.text("--map", map_,
+                 "Write this stored map instead, for example normal, band0.weights, or of a bake "
+                 "vdim.latlong:16x16; a wrong name lists those there are; of a seed preset also packed.eigen "
+                 "and packed.weights (Ma et al. 2005, figure 5)");
     options.path("-o,--output", output_, ".exr (linear), .hdr, .png or .jpg (sRGB)", true);
     options.footer("Of a baked output, light and view are the nearest sampled ones; the report names them.");
   }
@@ -96,12 +108,15 @@ class ExtractCommand : public Command {
     if (!view) return fail(view.issue());
     if (const Status status = checkPictureName(output_); !status) return fail(status.issue());
     if (!(lambda_ >= 0 && lambda_ <= 32)) return failUsage("--lambda: must be 0 to 32");
-    if (const Status status = checkOpens(input_, Openable::kFileOrFolder); !status) return fail(status.issue());
+    if (const Status status = checkOpens(input_, Openable::kFileOrFolder); !status)
+      return fail(status.issue());
     const auto picture = [&]() -> Result<Picture> {
       switch (inputKind(input_)) {
         case InputKind::kAsset: return map_.empty() ? assetSlice(*light, *view, globals) : assetMap();
         case InputKind::kBakedOutput: return map_.empty() ? bakedSlice(*light, *view) : bakedMap();
-        default: return Issue{issue_id::kBakeManifest, Severity::kError, input_.string(), "is neither a .loden file nor a baked output (no bake.json)"};
+        default:
+          return Issue{issue_id::kBakeManifest, Severity::kError, input_.string(),
+                       "is neither a .loden file nor a baked output (no bake.json)"};
       }
     }();
     if (!picture) return fail(picture.issue());
@@ -113,8 +128,11 @@ class ExtractCommand : public Command {
     report_["output"] = output_.string();
     report_["width"] = picture->width;
     report_["height"] = picture->height;
-    if (globals.json) printJson("extract", report_);
-    else printText(formatted("%s: %d x %d\n", output_.c_str(), picture->width, picture->height) + directionsText());
+    if (globals.json)
+      printJson("extract", report_);
+    else
+      printText(formatted("%s: %d x %d\n", output_.c_str(), picture->width, picture->height) +
+                directionsText());
     return kExitOk;
   }
 
@@ -122,8 +140,11 @@ class ExtractCommand : public Command {
   // Of a baked output's slice the sampled directions, which need not be those asked for.
   std::string directionsText() const {
     if (report_.value("kind", "") != "true") return {};
-    const auto angles = [this](const char* key) { return formatted("%.2f, %.2f", report_[key][0].get<double>(), report_[key][1].get<double>()); };
-    return "nearest samples: light " + angles("light") + ", view " + angles("view") + " degrees (theta, phi)\n";
+    const auto angles = [this](const char* key) {
+      return formatted("%.2f, %.2f", report_[key][0].get<double>(), report_[key][1].get<double>());
+    };
+    return "nearest samples: light " + angles("light") + ", view " + angles("view") +
+           " degrees (theta, phi)\n";
   }
 
   void reportDirection(const char* key, const glm::dvec3& w) {
@@ -134,12 +155,18 @@ class ExtractCommand : public Command {
   Result<Picture> assetSlice(const glm::dvec3& light, const glm::dvec3& view, const GlobalOptions& globals) {
     const auto material = readAsset(input_);
     if (!material) return material.issue();
-    Evaluator evaluator(*material, globals.threads);
+    Evaluator evaluator(*material, onThreads(globals.threads));
     const auto lookup = prepareLookup(evaluator, lookupNamed(lookup_).value(), input_);
     if (!lookup) return lookup.issue();
-    const int side = side_ > 0 ? side_ : std::max(1, material->side >> std::min(31, static_cast<int>(lambda_)));
-    const MaterialSampling sampling{side, lambda_, *lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
-    report_ = {{"input", input_.string()}, {"kind", "decoded"}, {"domain", domain_}, {"lambda", lambda_}, {"lookup", std::string(lookupName(*lookup))}};
+    const int side =
+        side_ > 0 ? side_ : std::max(1, material->side >> std::min(31, static_cast<int>(lambda_)));
+    const MaterialSampling sampling{
+        side, lambda_, *lookup, domain_ == "flat" ? Domain::kFlat : Domain::kReference, {}, {}};
+    report_ = {{"input", input_.string()},
+               {"kind", "decoded"},
+               {"domain", domain_},
+               {"lambda", lambda_},
+               {"lookup", std::string(lookupName(*lookup))}};
     reportDirection("light", light);
     reportDirection("view", view);
     return pictureFromSlice(materialSlice(evaluator, sampling, light, view), glm::ivec2(side));
@@ -160,13 +187,15 @@ class ExtractCommand : public Command {
       if (name == map_) return pictureFromTexture(*texture);
       known += (known.empty() ? "" : ", ") + name;
     }
-    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "this asset has no such map; it has " + known};
+    return Issue{issue_id::kOption, Severity::kError, "--map " + map_,
+                 "this asset has no such map; it has " + known};
   }
 
   Result<Picture> bakedSlice(const glm::dvec3& light, const glm::dvec3& view) {
     const auto baked = BakedOutput::open(input_);
     if (!baked) return baked.issue();
-    if (lambda_ != 0) return Issue{issue_id::kOption, Severity::kError, "--lambda", "a baked output has level 0 only"};
+    if (lambda_ != 0)
+      return Issue{issue_id::kOption, Severity::kError, "--lambda", "a baked output has level 0 only"};
     const DirectionSet& directions = baked->manifest().directions;
     const int l = nearestDirection(directions, light), v = nearestDirection(directions, view);
     const bool flat = domain_ == "flat";
@@ -195,12 +224,14 @@ class ExtractCommand : public Command {
       for (const glm::vec2& s : surface->specular) values.emplace_back(s, 0);
       return pictureFromSlice(values, size);
     }
-    return Issue{issue_id::kOption, Severity::kError, "--map " + map_, "this bake has " + bakedMapNames(baked->manifest())};
+    return Issue{issue_id::kOption, Severity::kError, "--map " + map_,
+                 "this bake has " + bakedMapNames(baked->manifest())};
   }
 
   static std::string bakedMapNames(const BakeManifest& m) {
     std::string names = "normal, diffuse, specular, geometry";
-    for (const glm::ivec2& size : m.vdims) names += ", vdim.latlong:" + std::to_string(size.x) + "x" + std::to_string(size.y);
+    for (const glm::ivec2& size : m.vdims)
+      names += ", vdim.latlong:" + std::to_string(size.x) + "x" + std::to_string(size.y);
     for (const int side : m.concentric_vdims) names += ", vdim.concentric:" + std::to_string(side);
     return names;
   }
@@ -212,7 +243,8 @@ class ExtractCommand : public Command {
     if (map_ == "geometry") {
       const auto texels = baked.geometry();
       if (!texels) return texels.issue();
-      return mosaic<glm::vec4>(*texels, m.geometry_size, 1, [](const glm::vec4& v) { return glm::vec4(glm::vec3(v), 1); });
+      return mosaic<glm::vec4>(*texels, m.geometry_size, 1,
+                               [](const glm::vec4& v) { return glm::vec4(glm::vec3(v), 1); });
     }
     for (const glm::ivec2& size : m.vdims) {
       if (map_ != "vdim.latlong:" + std::to_string(size.x) + "x" + std::to_string(size.y)) continue;

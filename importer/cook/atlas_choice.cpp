@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "material/system/threads.h"
+
 namespace loden::importer {
 namespace {
 
 constexpr int kLeastDirections = 16, kMostDirections = 28;
 constexpr int kHalvings = 3;
-constexpr double kNearly = 1.1;            // of the least product: what half the bytes may cost
-constexpr double kUnseen = 0.03 * 0.001;   // a product as small as that of a mean of .03 texels and .1 % over one cannot be seen
+constexpr double kNearly = 1.1;  // of the least product: what half the bytes may cost
+constexpr double kUnseen =
+    0.03 * 0.001;  // a product as small as that of a mean of .03 texels and .1 % over one cannot be seen
 
 double badness(const LookupError& error) { return error.mean_texels * error.over_1_texel; }
 
@@ -27,7 +30,8 @@ VdimAtlasSize smaller(VdimAtlasSize size, int times) {
 
 std::vector<VdimAtlasSize> atlasCandidates() {
   std::vector<VdimAtlasSize> sizes;
-  for (int directions = kLeastDirections; directions <= kMostDirections; directions += 2) sizes.push_back(sizeFor(kMostAtlasBytes, directions));
+  for (int directions = kLeastDirections; directions <= kMostDirections; directions += 2)
+    sizes.push_back(sizeFor(kMostAtlasBytes, directions));
   return sizes;
 }
 
@@ -35,7 +39,8 @@ AtlasChoice chooseAtlas(const GeometryImage& geometry, int side, int threads) {
   AtlasChoice choice;
   const LookupProbe probe(geometry, side, threads);
   const auto measure = [&](VdimAtlasSize size) {
-    choice.trials.push_back({size, probe.measure(buildVdimAtlas(geometry, size, threads), Lookup::kDefault)});
+    choice.trials.push_back(
+        {size, probe.measure(buildVdimAtlas(geometry, size, onThreads(threads)), Lookup::kDefault)});
     return badness(choice.trials.back().error);
   };
   double least = 0;

@@ -3,36 +3,41 @@
 #include <map>
 #include <optional>
 
-#include "importer/tile/charts.h"
+#include "importer/base/progress.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/goal.h"
+#include "importer/cook/meta.h"
+#include "importer/cook/modes.h"
 #include "importer/fit/ambient_fit.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/coarse_fit.h"
 #include "importer/fit/flat_fit.h"
-#include "importer/cook/fused_plan.h"
-#include "importer/cook/goal.h"
 #include "importer/fit/grid_table.h"
 #include "importer/fit/light_factor.h"
-#include "importer/cook/meta.h"
-#include "importer/cook/modes.h"
 #include "importer/fit/ratio_fit.h"
-#include "importer/base/progress.h"
+#include "importer/tile/charts.h"
 #include "material/eval/evaluate.h"
 #include "material/model/leading_part.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
 
 constexpr int kFullPhis = 25;  // from here on the grid can give back every sample of Bonn's rings
-// Averages over the tile's surface are not averages over what a view sees of it: at lambda 1 the unfiltered maps are
-// closer to the truth than their mip 1, and half way between is the closest.
+// Averages over the tile's surface are not averages over what a view sees of it: at lambda 1 the unfiltered
+// maps are closer to the truth than their mip 1, and half way between is the closest.
 constexpr float kFlatFirst = 0.5f;
-constexpr int kFlatMips = 2;   // to lambda 1.5; at 2 the reference-domain band has taken over
+constexpr int kFlatMips = 2;  // to lambda 1.5; at 2 the reference-domain band has taken over
 constexpr float kCrossFadeBegin = 1, kCrossFadeEnd = 2;
 constexpr int kChromaSweeps = 2;
 
 // A single texel is its own average.
-bool hasCoarseBand(const FusedPlan& plan, int side) { return plan.coarse_y > 0 && plan.levels != 1 && side > 1; }
-int flatMips(const FusedPlan& plan, int flat_side) { return plan.levels == 1 ? 1 : std::min(kFlatMips, fullMipCount(flat_side, flat_side)); }
+bool hasCoarseBand(const FusedPlan& plan, int side) {
+  return plan.coarse_y > 0 && plan.levels != 1 && side > 1;
+}
+int flatMips(const FusedPlan& plan, int flat_side) {
+  return plan.levels == 1 ? 1 : std::min(kFlatMips, fullMipCount(flat_side, flat_side));
+}
 int coarseMips(const FusedPlan& plan, int half) {
   const int all = fullMipCount(half, half);
   return plan.levels == 0 ? all : std::min(plan.levels - 1, all);
@@ -63,8 +68,9 @@ ColumnBlocks factoredBlocks(const FusedInput& in, int channel, const Factors& li
 }
 
 // Cb and Cr of the fine band beyond a ratio to the luma that results.
-void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan, const DirectionGrid& grid, const ColumnBlocks& luma,
-                   const ColumnBlocks& like, FlatFitOptions fit, BandFactors& factors) {
+void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan,
+                   const DirectionGrid& grid, const ColumnBlocks& luma, const ColumnBlocks& like,
+                   FlatFitOptions fit, BandFactors& factors) {
   fit.components = plan.chroma_components;
   fit.sweeps = kChromaSweeps;
   for (const int channel : {1, 2}) {
@@ -72,14 +78,15 @@ void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& 
     rest.factor = like.factor;
     Factors& f = channel == 1 ? factors.cb : factors.cr;
     f.weights = quantisedWeights(fitFlat(rest, a, fit).factors.weights, plan.storage);
-    f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(), in.source.views(), in.threads)
+    f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(),
+                                               in.source.views(), in.threads)
                               : solveBasis(rest, a, f.weights, in.threads);
   }
 }
 
-// The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored, then
-// chroma as a ratio to the Y that results, and what that leaves where components are given for it; all of it under a
-// light factor if the plan has one, which the geometry image gives.
+// The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored,
+// then chroma as a ratio to the Y that results, and what that leaves where components are given for it; all
+// of it under a light factor if the plan has one, which the geometry image gives.
 Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
   const DirectionGrid grid = gridFor(lights, 6, plan.phis);
@@ -88,7 +95,9 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
   const DirectionGrid light_grid = lightFactorGrid(lights);
   Factors light;  // at the samples
   if (plan.light_components > 0) {
-    factors.light = fitLightFactor(lightVisibility(in.material.geometry, factors.side, light_grid, in.threads), plan.light_components, plan.storage, in.threads);
+    factors.light =
+        fitLightFactor(lightVisibility(in.material.geometry, factors.side, light_grid, in.threads),
+                       plan.light_components, plan.storage, in.threads);
     light = lightFactorAt(factors.light, light_grid, lights);
   }
   const bool factored = plan.light_components > 0;
@@ -122,13 +131,15 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
   return band;
 }
 
-// Chroma ratios of the coarse band, each level fitted to its own averages: a mean of ratios is not the ratio of means.
+// Chroma ratios of the coarse band, each level fitted to its own averages: a mean of ratios is not the ratio
+// of means.
 std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const YccBtf& half, Factors luma) {
   std::vector<std::vector<glm::dvec2>> ratios;
   std::optional<YccBtf> coarser;
   for (const YccBtf* level = &half;; level = &*coarser) {
     const Indirection straight = identityIndirection(level->texels(), level->views());
-    ratios.push_back(fitRatios(*level, wholeLuma(*level, luma, in.mean, straight), in.material.mean, straight, in.threads));
+    ratios.push_back(fitRatios(*level, wholeLuma(*level, luma, in.mean, straight), in.material.mean, straight,
+                               in.threads));
     if (level->side() == 1) return ratios;
     luma.weights = downsample(luma.weights, level->side(), BoxFilter::k2x2);
     coarser = downsample(*level, BoxFilter::k2x2, in.threads);
@@ -139,7 +150,8 @@ std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const Ycc
 Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
   const YccBtf half = downsample(in.btf, BoxFilter::k2x2, in.threads);
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
-  const CoarseFitOptions fit{plan.coarse_y, averageGrid(in.means, in.mean, lights, views, plan.coarse_phis), in.threads};
+  const CoarseFitOptions fit{plan.coarse_y, averageGrid(in.means, in.mean, lights, views, plan.coarse_phis),
+                             in.threads};
   BandFactors factors = fitCoarse(half, lights, views, in.mean, fit);
   const Matrix sample_lights = gridSampling(fit.grid, lights), sample_views = gridSampling(fit.grid, views);
   const Factors at_samples{factors.y.weights, mapTables(factors.y.basis, sample_lights, sample_views)};
@@ -153,10 +165,12 @@ Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
 
 }  // namespace
 
-int flatSide(const FusedPlan& plan, int side) { return std::max(1, static_cast<int>(std::lround(side * plan.flat_scale))); }
+int flatSide(const FusedPlan& plan, int side) {
+  return std::max(1, static_cast<int>(std::lround(side * plan.flat_scale)));
+}
 
-FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
-                  int threads, int lab_every) {
+FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
+                  const FusedPlan& plan, int threads, int lab_every) {
   Material m;
   m.mode = Mode::kFused;
   m.name = source.name();
@@ -164,18 +178,21 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   m.value_scale = static_cast<float>(1 / kPi);
   m.geometry = geometry;
   AtlasChoice atlas;
-  if (plan.atlas) atlas.size = *plan.atlas;
-  else atlas = chooseAtlas(geometry, m.side, threads);
+  if (plan.atlas)
+    atlas.size = *plan.atlas;
+  else
+    atlas = chooseAtlas(geometry, m.side, threads);
   m.atlas = atlas.size;
   m.theta_max = gridFor(source.lights()).theta_max;
   Matrix means = imageMeans(btf, threads);
   m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
 
-  const Evaluator lookup(m, threads);
+  const Evaluator lookup(m, onThreads(threads));
   const Indirection a = makeIndirection(
       btf.side(), flatSide(plan, btf.side()), source.views(),
       [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
-  const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()), threads};
+  const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()),
+                      threads};
   m.bands.push_back(fitFlatBand(in, a, plan));
   if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
   const Band& last = m.bands.back();
@@ -187,20 +204,28 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
 
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   const auto maps = [](Storage storage, int texels_side, int mips, int layers) {
-    return textureBytes(formatOf(storage), uint64_t(texels_side), uint64_t(texels_side), uint64_t(layers), mips);
+    return textureBytes(formatOf(storage), uint64_t(texels_side), uint64_t(texels_side), uint64_t(layers),
+                        mips);
   };
   const auto tables = [](Storage storage, int quads, int phis) {
     return textureBytes(formatOf(storage), uint64_t(phis), 36, uint64_t(quads * phis), 1);
   };
   const int flat_side = flatSide(plan, side);
-  const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2, coarse_quads = (plan.coarse_y + 3) / 4;
-  uint64_t bytes = textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
+  const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2,
+            coarse_quads = (plan.coarse_y + 3) / 4;
+  uint64_t bytes =
+      textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
   const int light_quads = (plan.light_components + 3) / 4;
-  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1 + light_quads + (light_quads > 0 ? 1 : 0)) + tables(plan.storage, fine_quads, plan.phis);
+  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side),
+                fine_quads + 1 + light_quads + (light_quads > 0 ? 1 : 0)) +
+           tables(plan.storage, fine_quads, plan.phis);
   const DirectionGrid light_grid = lightFactorGrid({});
-  if (light_quads > 0) bytes += textureBytes(TexelFormat::kRGBA16Snorm, uint64_t(light_grid.phis), uint64_t(light_grid.thetas), uint64_t(light_quads), 1);
+  if (light_quads > 0)
+    bytes += textureBytes(TexelFormat::kRGBA16Snorm, uint64_t(light_grid.phis), uint64_t(light_grid.thetas),
+                          uint64_t(light_quads), 1);
   if (hasCoarseBand(plan, side))
-    bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) + tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
+    bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) +
+             tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
   return bytes;
 }
 
@@ -212,8 +237,10 @@ constexpr int kSplitComponents = 8, kLightComponents = 12;
 
 FusedPlan presetPlan(const CookOptions& options) {
   FusedPlan plan;
-  if (options.preset == Preset::kReference) plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
-  if (options.shadows == Shadows::kSplit) plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
+  if (options.preset == Preset::kReference)
+    plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
+  if (options.shadows == Shadows::kSplit)
+    plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
   if (options.y_components) plan.y_components = options.y_components;
   if (options.light_components) plan.light_components = options.light_components;
   plan.chroma_components = options.cb_components;
@@ -223,7 +250,8 @@ FusedPlan presetPlan(const CookOptions& options) {
 
 }  // namespace
 
-Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry, const CookOptions& options) {
+Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry,
+                           const CookOptions& options) {
   const Status levels = checkLevels(options.levels, source.size().x);
   if (!levels) return levels.issue();
   auto btf = loadYcc(source, options.threads);
@@ -234,14 +262,18 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
     Goal goal{options.max_bytes, options.target_rmse, options.levels};
-    if (options.light_components > 0) goal.light_components = {options.light_components};
-    else if (options.shadows == Shadows::kSplit) goal.light_components = {12, 8, 4};
-    Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())), options.quiet);
+    if (options.light_components > 0)
+      goal.light_components = {options.light_components};
+    else if (options.shadows == Shadows::kSplit)
+      goal.light_components = {12, 8, 4};
+    Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())),
+                      options.quiet);
     std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image
     const auto trial = [&](FusedPlan candidate) -> Result<double> {
       const auto image = geometry(candidate.geometry_side);
       if (!image) return image.issue();
-      if (!atlases.contains(image->side())) atlases[image->side()] = chooseAtlas(*image, btf->side(), options.threads).size;
+      if (!atlases.contains(image->side()))
+        atlases[image->side()] = chooseAtlas(*image, btf->side(), options.threads).size;
       candidate.atlas = atlases[image->side()];
       candidate.sweeps = kTrialSweeps;
       candidate.coarse_y = 0;
@@ -251,14 +283,16 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
     };
     auto choice = choosePlan(goal, btf->side(), baked->side(), trial);
     if (!choice) return choice.issue();
-    progress.advance(uint64_t(mostTrials(goal, baked->side())) - choice->measured.size());  // the search ended early
+    progress.advance(uint64_t(mostTrials(goal, baked->side())) -
+                     choice->measured.size());  // the search ended early
     plan = choice->plan;
     measured = std::move(choice->measured);
   }
   const auto image = geometry(plan.geometry_side);
   if (!image) return image.issue();
   FusedFit fit = fitFused(source, *btf, *image, plan, options.threads);
-  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured, fit.atlases);
+  fit.material.meta_json =
+      cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured, fit.atlases);
   return std::move(fit.material);
 }
 

@@ -7,6 +7,7 @@
 #include "importer/fit/lookup_error.h"
 #include "material/model/environment.h"
 #include "material/model/leading_part.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 
@@ -51,13 +52,14 @@ nlohmann::ordered_json errorJson(const LookupError& e) {
 }
 
 nlohmann::ordered_json lookupMeta(const Material& material, std::span<const AtlasTrial> tried) {
-  const VdimAtlas atlas = buildVdimAtlas(material.geometry, material.atlas);
+  const VdimAtlas atlas = buildVdimAtlas(material.geometry, material.atlas, onThreads());
   const LookupProbe probe(material.geometry, material.side, 0);
   nlohmann::ordered_json json = {{"geometry_side", material.geometry.side()},
                                  {"atlas_texels", atlas.size.texels},
                                  {"atlas_directions", atlas.size.directions},
                                  {"bytes", atlas.bytes()}};
-  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) json[std::string(lookupName(lookup))] = errorJson(probe.measure(atlas, lookup));
+  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
+    json[std::string(lookupName(lookup))] = errorJson(probe.measure(atlas, lookup));
   for (const AtlasTrial& trial : tried) {
     nlohmann::ordered_json of_trial = {{"texels", trial.size.texels}, {"directions", trial.size.directions}};
     of_trial.update(errorJson(trial.error));
@@ -75,7 +77,8 @@ std::string inputName(const std::string& input) {
 }  // namespace
 
 uint64_t rawFileBytes(const Material& material) {
-  return bandBytes(material) + material.geometry.texels.data.size() + surfaceBytes(material) + vdimBytes(material);
+  return bandBytes(material) + material.geometry.texels.data.size() + surfaceBytes(material) +
+         vdimBytes(material);
 }
 
 uint64_t residentBytes(const Material& material) {
@@ -87,15 +90,17 @@ uint64_t residentBytes(const Material& material) {
 }
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
-                     const BtfError* error, const std::vector<TradePoint>& trade, std::span<const AtlasTrial> atlases) {
-  nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
-                                 {"preset", preset},
-                                 {"input", inputName(input)},
-                                 {"components", componentsText(material)},
-                                 {"light_components", material.bands.empty() ? 0 : 4 * material.bands.front().light_quads},
-                                 {"coefficient_bytes", bandBytes(material)},
-                                 {"raw_bytes", rawFileBytes(material)},
-                                 {"gpu_bytes", residentBytes(material)}};
+                     const BtfError* error, const std::vector<TradePoint>& trade,
+                     std::span<const AtlasTrial> atlases) {
+  nlohmann::ordered_json meta = {
+      {"mode", modeName(material.mode)},
+      {"preset", preset},
+      {"input", inputName(input)},
+      {"components", componentsText(material)},
+      {"light_components", material.bands.empty() ? 0 : 4 * material.bands.front().light_quads},
+      {"coefficient_bytes", bandBytes(material)},
+      {"raw_bytes", rawFileBytes(material)},
+      {"gpu_bytes", residentBytes(material)}};
   if (error) {
     const char* names[3] = {"y", "cb", "cr"};
     for (int c = 0; c < 3; ++c) {
@@ -103,14 +108,25 @@ std::string cookMeta(const Material& material, const std::string& input, const s
       meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
     }
   }
-  if (!material.geometry.empty() && material.mode != Mode::kLod) meta["lookup"] = lookupMeta(material, atlases);
+  if (!material.geometry.empty() && material.mode != Mode::kLod)
+    meta["lookup"] = lookupMeta(material, atlases);
   const std::vector<TradePoint> front = paretoFront(trade);
   for (const TradePoint& p : trade) {
-    const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) { return f.bytes == p.bytes && f.rmse_y == p.rmse_y; });
-    meta["trade"].push_back({{"y_components", p.plan.y_components}, {"light_components", p.plan.light_components}, {"phis", p.plan.phis}, {"flat_scale", p.plan.flat_scale},
-                             {"bits", p.plan.storage == Storage::kSnorm16 ? 16 : 8}, {"geometry_side", p.plan.geometry_side}, {"bytes", p.bytes}, {"rmse_y", p.rmse_y}, {"pareto", pareto}});
+    const bool pareto = std::any_of(front.begin(), front.end(), [&](const TradePoint& f) {
+      return f.bytes == p.bytes && f.rmse_y == p.rmse_y;
+    });
+    meta["trade"].push_back({{"y_components", p.plan.y_components},
+                             {"light_components", p.plan.light_components},
+                             {"phis", p.plan.phis},
+                             {"flat_scale", p.plan.flat_scale},
+                             {"bits", p.plan.storage == Storage::kSnorm16 ? 16 : 8},
+                             {"geometry_side", p.plan.geometry_side},
+                             {"bytes", p.bytes},
+                             {"rmse_y", p.rmse_y},
+                             {"pareto", pareto}});
   }
-  return meta.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // paths need not be UTF-8
+  return meta.dump(-1, ' ', false,
+                   nlohmann::ordered_json::error_handler_t::replace);  // paths need not be UTF-8
 }
 
 }  // namespace loden::importer

@@ -1,25 +1,27 @@
 // The lookup on curved reference surfaces (FBTF section 3.1), against the bent tile itself.
 //
-// Points of a cylinder and a sphere (material/model/analytic_surface.h: 24 tiles around, curvature .26 per tile length) and
-// views of them are random, views uniform in solid angle up to 85 degrees; on the sphere latitudes stay below 60
-// degrees. The truth is the first hit of the view ray with the tiles bent along the surface. `straight` looks up as on a
-// plane, `bent` tells the lookup the surface's curvature and how its texture coordinates are stretched. The error is the
-// distance of the two points' (x, y) on the tile, in reference texels, to the nearest periodic copy. Rays that the truth
-// lets pass by the surface (miss_rate) have no error; found_rate is the share of them for which the lookup
-// found something all the same, lost_rate that of the others of which it says that they miss.
+// Points of a cylinder and a sphere (material/model/analytic_surface.h: 24 tiles around, curvature .26 per
+// tile length) and views of them are random, views uniform in solid angle up to 85 degrees; on the sphere
+// latitudes stay below 60 degrees. The truth is the first hit of the view ray with the tiles bent along the
+// surface. `straight` looks up as on a plane, `bent` tells the lookup the surface's curvature and how its
+// texture coordinates are stretched. The error is the distance of the two points' (x, y) on the tile, in
+// reference texels, to the nearest periodic copy. Rays that the truth lets pass by the surface (miss_rate)
+// have no error; found_rate is the share of them for which the lookup found something all the same, lost_rate
+// that of the others of which it says that they miss.
 #include <algorithm>
 #include <cmath>
 
-#include "importer/trace/bent_tiles.h"
-#include "importer/cook/atlas_choice.h"
-#include "importer/fit/lookup_error.h"
-#include "importer/cook/modes.h"
 #include "importer/base/parallel.h"
 #include "importer/base/progress.h"
 #include "importer/base/random.h"
+#include "importer/cook/atlas_choice.h"
+#include "importer/cook/modes.h"
+#include "importer/fit/lookup_error.h"
 #include "importer/study/study.h"
 #include "importer/tile/tile_tracer.h"
+#include "importer/trace/bent_tiles.h"
 #include "material/model/vdim.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
@@ -86,23 +88,32 @@ void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometr
     const Sample& sample = samples[i];
     const double theta = std::acos(sample.wo.z) * 180 / kPi;
     if (theta < theta_degrees.x || theta >= theta_degrees.y) return;
-    const auto found = vdimLookup({.atlas = &atlas}, lookup, sample.x, sample.wo, bent ? sample.surface : LocalSurface<double>{});
+    const auto found = vdimLookup({.atlas = &atlas}, lookup, sample.x, sample.wo,
+                                  bent ? sample.surface : LocalSurface<double>{});
     counted[i] = 1, missed_by_lookup[i] = found.missed, fetches[i] = found.fetches;
-    if (sample.hit) errors[i] = periodicDistance(glm::dvec2(surfaceAt(geometry, found.p).position), sample.truth) * options.size;
+    if (sample.hit)
+      errors[i] =
+          periodicDistance(glm::dvec2(surfaceAt(geometry, found.p).position), sample.truth) * options.size;
   });
   double all = 0, missed = 0, missed_found = 0, lost = 0, fetch_sum = 0, sum = 0, over = 0;
   std::vector<double> sorted;
   for (size_t i = 0; i < samples.size(); ++i) {
     if (!counted[i]) continue;
     all += 1, fetch_sum += fetches[i];
-    if (errors[i] >= 0) sorted.push_back(errors[i]), sum += errors[i], over += errors[i] > 1, lost += missed_by_lookup[i];
-    else missed += 1, missed_found += !missed_by_lookup[i];
+    if (errors[i] >= 0)
+      sorted.push_back(errors[i]), sum += errors[i], over += errors[i] > 1, lost += missed_by_lookup[i];
+    else
+      missed += 1, missed_found += !missed_by_lookup[i];
   }
   std::sort(sorted.begin(), sorted.end());
   const double n = double(std::max<size_t>(1, sorted.size()));
-  const auto percentile = [&](double share) { return sorted.empty() ? 0 : sorted[std::min(sorted.size() - 1, size_t(share * n))]; };
+  const auto percentile = [&](double share) {
+    return sorted.empty() ? 0 : sorted[std::min(sorted.size() - 1, size_t(share * n))];
+  };
   row.set("lookup", std::string(lookupName(lookup))).set("ray", bent ? "bent" : "straight");
-  row.set("theta_from", theta_degrees.x).set("theta_to", theta_degrees.y).set("fetches", fetch_sum / std::max(all, 1.0));
+  row.set("theta_from", theta_degrees.x)
+      .set("theta_to", theta_degrees.y)
+      .set("fetches", fetch_sum / std::max(all, 1.0));
   row.set("mean_texels", sum / n).set("median_texels", percentile(0.5)).set("p95_texels", percentile(0.95));
   row.set("over_1_texel", over / n).set("miss_rate", missed / std::max(all, 1.0));
   row.set("lost_rate", lost / n);
@@ -118,7 +129,8 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   if (!tile) return tile.issue();
   const auto geometry = geometryOf(*baked, 0);
   if (!geometry) return geometry.issue();
-  const VdimAtlas atlas = buildVdimAtlas(*geometry, chooseAtlas(*geometry, options.size, options.threads).size, options.threads);
+  const VdimAtlas atlas = buildVdimAtlas(
+      *geometry, chooseAtlas(*geometry, options.size, options.threads).size, onThreads(options.threads));
   const glm::dvec2 angles[] = {{0, 90}, {0, 60}, {60, 75}, {75, 90}};
   Progress progress("curved-lookup " + name, 2 * 2 * 2 * std::size(angles), options.quiet);
   for (const SurfaceKind kind : {SurfaceKind::kCylinder, SurfaceKind::kSphere}) {
@@ -128,7 +140,9 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
       for (const bool bent : {false, true})
         for (const glm::dvec2 theta : angles) {
           StudyRow row;
-          row.set("tile", name).set("size", options.size).set("surface", kind == SurfaceKind::kCylinder ? "cylinder" : "sphere");
+          row.set("tile", name)
+              .set("size", options.size)
+              .set("surface", kind == SurfaceKind::kCylinder ? "cylinder" : "sphere");
           measure(row, atlas, *geometry, lookup, bent, samples, theta, options);
           rows.push_back(std::move(row));
           progress.advance();

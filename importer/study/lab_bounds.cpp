@@ -1,29 +1,32 @@
-// What keeps the mean Lab distance of a fused asset where it is: the lookup, the number of components, the chroma, or
-// how cast shadows are held. All rows are of flat maps with as many texels as the BTF has unless they say otherwise, free
-// tables at the sampled directions, nothing quantised.
+// What keeps the mean Lab distance of a fused asset where it is: the lookup, the number of components, the
+// chroma, or how cast shadows are held. All rows are of flat maps with as many texels as the BTF has unless
+// they say otherwise, free tables at the sampled directions, nothing quantised.
 //
-// flat-btf       the Flat-BTF as baked, not compressed, read through the lookup: what any factorisation of it can reach.
+// flat-btf       the Flat-BTF as baked, not compressed, read through the lookup: what any factorisation of it
+// can reach.
 //                Texels that hold the mean of what views see, and twice as many a side, fitted to the filter.
 // components     the joint fit of Y with chroma as a ratio to Y.
 // luma-exact     the same with the BTF's own Y: what the chroma ratio alone costs.
 // chroma-exact   the same with the BTF's own chroma ratio at every sample: what luma alone costs.
 // shared-tables  the same plus, for Cb and Cr, tables over the weights of Y for what the ratio leaves.
-// light-factor   the band as cooked with --shadows split, stored in 8 bits: its components are those of Y + of the factor.
+// light-factor   the band as cooked with --shadows split, stored in 8 bits: its components are those of Y +
+// of the factor.
 #include <cmath>
 #include <functional>
 #include <optional>
 
-#include "importer/cook/atlas_choice.h"
-#include "importer/fit/band_fit.h"
-#include "importer/fit/flat_fit.h"
-#include "importer/cook/fused_plan.h"
-#include "importer/cook/modes.h"
-#include "importer/fit/ratio_fit.h"
 #include "importer/base/parallel.h"
 #include "importer/base/progress.h"
+#include "importer/cook/atlas_choice.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/modes.h"
+#include "importer/fit/band_fit.h"
+#include "importer/fit/flat_fit.h"
+#include "importer/fit/ratio_fit.h"
 #include "importer/study/study_tile.h"
-#include "material/model/color.h"
 #include "material/eval/evaluate.h"
+#include "material/model/color.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
@@ -51,15 +54,25 @@ struct Bounds {
       values(int(v), value);
       sums[v] = labOfView(btf, int(v), value, kLabEvery);
       btf.read(0, int(v), truth);
-      for (size_t i = 0; i < truth.data.size(); ++i) squares[v] += std::pow(std::max(value[0].data[i], 0.0) - truth.data[i], 2);
+      for (size_t i = 0; i < truth.data.size(); ++i)
+        squares[v] += std::pow(std::max(value[0].data[i], 0.0) - truth.data[i], 2);
     });
     LabSums all;
     double sum = 0;
     for (size_t v = 0; v < sums.size(); ++v) all.merge(sums[v]), sum += squares[v];
     const double rmse = std::sqrt(sum / (double(btf.texels()) * btf.lights() * btf.views()));
     rows.emplace_back();
-    rows.back().set("tile", tile).set("size", btf.side()).set("what", what).set("lookup", lookup).set("components", components);
-    rows.back().set("lab_mean", all.mean()).set("lab_black", all.blackMean()).set("lab_lit", all.litMean()).set("rmse_y", rmse);
+    rows.back()
+        .set("tile", tile)
+        .set("size", btf.side())
+        .set("what", what)
+        .set("lookup", lookup)
+        .set("components", components);
+    rows.back()
+        .set("lab_mean", all.mean())
+        .set("lab_black", all.blackMean())
+        .set("lab_lit", all.litMean())
+        .set("rmse_y", rmse);
   }
 };
 
@@ -70,15 +83,21 @@ Matrix through(const Indirection& a, int view, const Matrix& flat) {
   return seen;
 }
 
-Status addFlatBtf(const Bounds& to, const StudyOptions& options, const char* lookup, const DirectionSet& views, const IndirectionLookup& find) {
+Status addFlatBtf(const Bounds& to, const StudyOptions& options, const char* lookup,
+                  const DirectionSet& views, const IndirectionLookup& find) {
   for (const int scale : {1, 2}) {
     const TexelMethod texels = scale == 1 ? TexelMethod::kMean : TexelMethod::kLinear;
-    const auto flat = studyBake(options, to.tile, {scale * options.size, 4, FillMethod::kPushPull, texels, {.btf = false, .flat = true, .vdim = false, .surface = false}});
+    const auto flat = studyBake(options, to.tile,
+                                {scale * options.size,
+                                 4,
+                                 FillMethod::kPushPull,
+                                 texels,
+                                 {.btf = false, .flat = true, .vdim = false, .surface = false}});
     if (!flat) return flat.issue();
     const int side = scale * options.size;
     const Indirection a = makeIndirection(to.btf.side(), side, views, find, options.threads);
     std::vector<std::optional<Issue>> issues(size_t(to.btf.views()));
-    to.add(scale == 1 ? "flat-btf" : "flat-btf, 2x", lookup, "all", [&](int v, Matrix (&value)[3]) {
+    to.add(scale == 1 ? "flat-btf" : "flat-btf, 2x", lookup, "all", [&](int v, Matrix(&value)[3]) {
       const auto rgb = flat->flatView(v);
       Matrix planes[3];
       for (Matrix& plane : planes) plane = Matrix(side * side, to.btf.lights());
@@ -111,7 +130,7 @@ void addComponents(const Bounds& to, const char* lookup, const Indirection& a, i
   const Factors luma = fitFlat(centredBlocks(to.btf, 0, to.mean), a, fit).factors;
   const ColumnBlocks whole = wholeLuma(to.btf, luma, to.mean, a);
   const std::vector<glm::dvec2> ratios = fitRatios(to.btf, whole, to.phong, a, to.threads);
-  const auto values = [&](int v, Matrix (&value)[3]) {
+  const auto values = [&](int v, Matrix(&value)[3]) {
     whole.read(v, value[0]);
     for (int c = 1; c < 3; ++c) {
       Matrix ratio(a.flat_texels, 1);
@@ -125,14 +144,16 @@ void addComponents(const Bounds& to, const char* lookup, const Indirection& a, i
   const std::string text = std::to_string(components);
   to.add("components", lookup, text, values);
   if (components != kTakenApart) return;
-  to.add("luma-exact", lookup, text, [&](int v, Matrix (&value)[3]) {
+  to.add("luma-exact", lookup, text, [&](int v, Matrix(&value)[3]) {
     values(v, value);
     Matrix truth;
     to.btf.read(0, v, truth);
     for (size_t i = 0; i < truth.data.size(); ++i)
-      for (int c = 2; c >= 0; --c) value[c].data[i] = value[0].data[i] > 0 ? value[c].data[i] * truth.data[i] / value[0].data[i] : (c == 0 ? truth.data[i] : 0);
+      for (int c = 2; c >= 0; --c)
+        value[c].data[i] = value[0].data[i] > 0 ? value[c].data[i] * truth.data[i] / value[0].data[i]
+                                                : (c == 0 ? truth.data[i] : 0);
   });
-  to.add("chroma-exact", lookup, text, [&](int v, Matrix (&value)[3]) {
+  to.add("chroma-exact", lookup, text, [&](int v, Matrix(&value)[3]) {
     values(v, value);
     Matrix y, chroma;
     to.btf.read(0, v, y);
@@ -144,8 +165,9 @@ void addComponents(const Bounds& to, const char* lookup, const Indirection& a, i
   });
   Factors chroma[2];
   for (int c = 1; c < 3; ++c)
-    chroma[c - 1] = {luma.weights, solveBasis(ratioResidual(to.btf, c, whole, ratios, a), a, luma.weights, to.threads)};
-  to.add("shared-tables", lookup, text, [&](int v, Matrix (&value)[3]) {
+    chroma[c - 1] = {luma.weights,
+                     solveBasis(ratioResidual(to.btf, c, whole, ratios, a), a, luma.weights, to.threads)};
+  to.add("shared-tables", lookup, text, [&](int v, Matrix(&value)[3]) {
     values(v, value);
     for (int c = 1; c < 3; ++c) addProduct(chroma[c - 1], a, v, to.btf.lights(), value[c]);
   });
@@ -162,15 +184,18 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
   m.side = btf.side();
   m.geometry = *geometry;
   m.atlas = chooseAtlas(m.geometry, m.side, options.threads).size;
-  const Evaluator evaluator(m, options.threads);
+  const Evaluator evaluator(m, onThreads(options.threads));
   const GeometryTracer tracer(m.geometry);
-  const IndirectionLookup by_default = [&](glm::dvec2 x, const glm::dvec3& wo) { return evaluator.findHit(x, 0.0, wo).p; };
+  const IndirectionLookup by_default = [&](glm::dvec2 x, const glm::dvec3& wo) {
+    return evaluator.findHit(x, 0.0, wo).p;
+  };
   const IndirectionLookup traced = [&](glm::dvec2 x, const glm::dvec3& wo) {
     const auto hit = tracer.traceView(x, wo);
     return hit ? hit->p : x;
   };
   const DirectionSet &lights = source.lights(), &views = source.views();
-  const PhongMean phong = fitPhong(imageMeans(btf, options.threads), lights, views, {true, MeanChroma::kRatio}).mean;
+  const PhongMean phong =
+      fitPhong(imageMeans(btf, options.threads), lights, views, {true, MeanChroma::kRatio}).mean;
   const Matrix mean = sampleMean(phong, lights, views);
   const Bounds to{tile, btf, mean, phong, options.threads, rows};
   struct Way {
@@ -196,9 +221,17 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
     const FusedFit fit = fitFused(source, btf, *geometry, plan, options.threads, kLabEvery);
     rows.emplace_back();
     const std::string chroma = std::to_string(s.chroma);
-    rows.back().set("tile", tile).set("size", btf.side()).set("what", "light-factor").set("lookup", "default");
-    rows.back().set("components", std::to_string(s.y) + "," + chroma + "," + chroma + " x " + std::to_string(s.light));
-    rows.back().set("lab_mean", fit.error.lab.mean()).set("lab_black", fit.error.lab.blackMean()).set("lab_lit", fit.error.lab.litMean());
+    rows.back()
+        .set("tile", tile)
+        .set("size", btf.side())
+        .set("what", "light-factor")
+        .set("lookup", "default");
+    rows.back().set("components",
+                    std::to_string(s.y) + "," + chroma + "," + chroma + " x " + std::to_string(s.light));
+    rows.back()
+        .set("lab_mean", fit.error.lab.mean())
+        .set("lab_black", fit.error.lab.blackMean())
+        .set("lab_lit", fit.error.lab.litMean());
     rows.back().set("rmse_y", fit.error.channel[0].rmse());
   }
   return {};

@@ -1,49 +1,55 @@
-// Error per channel against components, mode and bytes (LBTF table 1, figure 6 and the 43.9x of section 4.2), at
-// the sampled directions over all texels and pairs, and at random directions between them against the traced tile.
-// Fused rows go through the shader's own default lookup at the atlas size that gpu_bytes counts.
+// Error per channel against components, mode and bytes (LBTF table 1, figure 6 and the 43.9x of section 4.2),
+// at the sampled directions over all texels and pairs, and at random directions between them against the
+// traced tile. Fused rows go through the shader's own default lookup at the atlas size that gpu_bytes counts.
 #include <cmath>
 #include <tuple>
 
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
 #include "importer/cook/cook.h"
 #include "importer/cook/fused_plan.h"
 #include "importer/cook/goal.h"
 #include "importer/cook/meta.h"
 #include "importer/cook/modes.h"
-#include "importer/base/parallel.h"
-#include "importer/base/progress.h"
 #include "importer/study/plot.h"
 #include "importer/study/random_directions.h"
 #include "importer/study/study_tile.h"
 #include "importer/tile/tile_tracer.h"
+#include "material/eval/evaluate.h"
 #include "material/model/color.h"
 #include "material/model/environment.h"
-#include "material/eval/evaluate.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
 
 constexpr int kReferenceSteps[] = {1, 2, 4, 8, 12, 16, 24};  // Y components, nested: one fit serves all
 constexpr int kFusedSteps[] = {4, 8, 12, 16, 20, 28};        // one joint fit each
-constexpr FusedPlan kSplit{.y_components = 8, .chroma_components = 2, .light_components = 8};  // --shadows split
-constexpr int kUnsampled = 20000;                            // random (texel, light, view)
-constexpr int kSubsamples = 4;                               // per texel side, of the traced truth
+constexpr FusedPlan kSplit{
+    .y_components = 8, .chroma_components = 2, .light_components = 8};  // --shadows split
+constexpr int kUnsampled = 20000;                                       // random (texel, light, view)
+constexpr int kSubsamples = 4;                                          // per texel side, of the traced truth
 
 // A pair of directions between the samples, and what the traced tile shows over one texel.
 struct Unsampled {
-  glm::dvec2 x{0};  // the texel's centre
+  glm::dvec2 x{0};           // the texel's centre
   glm::dvec3 wi, wo, truth;  // truth: Y, Cb, Cr
 };
 
-glm::dvec3 tracedTexel(const TileTracer& tracer, glm::dvec2 centre, int size, const glm::dvec3& wi, const glm::dvec3& wo) {
+glm::dvec3 tracedTexel(const TileTracer& tracer, glm::dvec2 centre, int size, const glm::dvec3& wi,
+                       const glm::dvec3& wo) {
   glm::dvec3 sum(0);
   for (int s = 0; s < kSubsamples * kSubsamples; ++s) {
-    const glm::dvec2 offset = (glm::dvec2(s % kSubsamples, s / kSubsamples) + 0.4871) / double(kSubsamples) - 0.5;
-    if (const auto hit = tracer.intersectView(centre + offset / double(size), wo)) sum += shadeHit(tracer, *hit, wi, wo, 0, 0);
+    const glm::dvec2 offset =
+        (glm::dvec2(s % kSubsamples, s / kSubsamples) + 0.4871) / double(kSubsamples) - 0.5;
+    if (const auto hit = tracer.intersectView(centre + offset / double(size), wo))
+      sum += shadeHit(tracer, *hit, wi, wo, 0, 0);
   }
   return sum / double(kSubsamples * kSubsamples);
 }
 
-Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const StudyTile& data, double theta_max) {
+Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const StudyTile& data,
+                                              double theta_max) {
   auto tile = loadTile(studyTileName(data.name));
   if (!tile) return tile.issue();
   const int size = data.btf.side();
@@ -65,7 +71,7 @@ Result<std::vector<Unsampled>> unsampledTruth(const StudyOptions& options, const
 }
 
 BtfError unsampledError(const Material& material, const std::vector<Unsampled>& samples, int threads) {
-  const Evaluator evaluator(material, threads);
+  const Evaluator evaluator(material, onThreads(threads));
   std::vector<glm::dvec3> difference(samples.size());
   parallelFor(samples.size(), threads, [&](size_t i) {
     const Unsampled& s = samples[i];
@@ -95,7 +101,8 @@ DroppedBytes droppedBytes(const Material& whole, int y) {
   DroppedBytes bytes;
   for (const Band& band : whole.bands) {
     const auto dropped = uint64_t(std::max(band.y_quads - (y + 3) / 4, 0)), quads = uint64_t(band.quads());
-    const uint64_t file = dropped * (band.table.data.size() / quads + band.weights.data.size() / uint64_t(band.weights.depth));
+    const uint64_t file =
+        dropped * (band.table.data.size() / quads + band.weights.data.size() / uint64_t(band.weights.depth));
     bytes.file += file;
     bytes.gpu += file + dropped * (environmentTableBytes(band) / quads);
   }
@@ -109,30 +116,38 @@ struct RowContext {
   const char* directions;
 };
 
-StudyRow errorRow(const RowContext& context, const Material& m, int y, const DroppedBytes& dropped, const BtfError& error) {
+StudyRow errorRow(const RowContext& context, const Material& m, int y, const DroppedBytes& dropped,
+                  const BtfError& error) {
   uint64_t coefficients = 0;
   for (const Band& band : m.bands) coefficients += band.bytes();
   const int chroma = m.bands.empty() ? 0 : 2 * m.bands.front().chroma_quads;
   std::string counts = std::to_string(y) + "," + std::to_string(chroma) + "," + std::to_string(chroma);
-  if (!m.bands.empty() && m.bands.front().light_quads > 0) counts += " x " + std::to_string(4 * m.bands.front().light_quads);
+  if (!m.bands.empty() && m.bands.front().light_quads > 0)
+    counts += " x " + std::to_string(4 * m.bands.front().light_quads);
   StudyRow row;
   row.set("tile", context.data.name).set("size", context.data.btf.side()).set("mode", modeName(m.mode));
-  row.set("preset", context.preset).set("components", counts).set("y_components", y).set("storage", context.storage);
+  row.set("preset", context.preset)
+      .set("components", counts)
+      .set("y_components", y)
+      .set("storage", context.storage);
   row.set("coefficient_bytes", coefficients - dropped.file).set("file_bytes", rawFileBytes(m) - dropped.file);
   row.set("gpu_bytes", residentBytes(m) - dropped.gpu);
   const char* names[3] = {"y", "cb", "cr"};
   for (int c = 0; c < 3; ++c) {
     const std::string name = names[c];
-    row.set("rmse_" + name, error.channel[c].rmse()).set("mse_" + name, error.channel[c].mse).set("mae_" + name, error.channel[c].mae);
+    row.set("rmse_" + name, error.channel[c].rmse())
+        .set("mse_" + name, error.channel[c].mse)
+        .set("mae_" + name, error.channel[c].mae);
   }
-  if (error.max_image_mse[0] > 0) row.set("min_image_mse_y", error.min_image_mse[0]).set("max_image_mse_y", error.max_image_mse[0]);
+  if (error.max_image_mse[0] > 0)
+    row.set("min_image_mse_y", error.min_image_mse[0]).set("max_image_mse_y", error.max_image_mse[0]);
   row.set("directions", context.directions);
   return row;
 }
 
 // One mode of the reference domain: a fit with the most components, then its leading ones.
-Status addReferenceRows(const StudyOptions& options, const StudyTile& data, const std::vector<Unsampled>& unsampled,
-                        Preset preset, int usual, StudyRows& rows) {
+Status addReferenceRows(const StudyOptions& options, const StudyTile& data,
+                        const std::vector<Unsampled>& unsampled, Preset preset, int usual, StudyRows& rows) {
   CookOptions cook;
   cook.mode = Mode::kLod;
   cook.preset = preset;
@@ -143,8 +158,10 @@ Status addReferenceRows(const StudyOptions& options, const StudyTile& data, cons
   const char* storage = preset == Preset::kSeed ? "float32" : "snorm8";
   for (const int y : kReferenceSteps) {
     const Material m = keepComponents(*whole, y);
-    const BtfError error = measureError(m, data.btf, data.source->lights(), data.source->views(), {}, options.threads);
-    rows.push_back(errorRow({data, presetName(preset), storage, "sampled"}, m, y, droppedBytes(*whole, y), error));
+    const BtfError error =
+        measureError(m, data.btf, data.source->lights(), data.source->views(), {}, options.threads);
+    rows.push_back(
+        errorRow({data, presetName(preset), storage, "sampled"}, m, y, droppedBytes(*whole, y), error));
     if (y == usual)
       rows.push_back(errorRow({data, presetName(preset), storage, "unsampled"}, m, y, droppedBytes(*whole, y),
                               unsampledError(m, unsampled, options.threads)));
@@ -152,12 +169,14 @@ Status addReferenceRows(const StudyOptions& options, const StudyTile& data, cons
   return {};
 }
 
-Status addFusedRows(const StudyOptions& options, const StudyTile& data, const std::vector<Unsampled>& unsampled, StudyRows& rows) {
+Status addFusedRows(const StudyOptions& options, const StudyTile& data,
+                    const std::vector<Unsampled>& unsampled, StudyRows& rows) {
   const auto add = [&](const FusedPlan& plan, const char* preset, bool between) -> Status {
     const auto geometry = geometryOf(data.baked, plan.geometry_side);
     if (!geometry) return geometry.issue();
     const FusedFit fit = fitFused(*data.source, data.btf, *geometry, plan, options.threads);
-    rows.push_back(errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, {}, fit.error));
+    rows.push_back(
+        errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, {}, fit.error));
     if (between)
       rows.push_back(errorRow({data, preset, "snorm8", "unsampled"}, fit.material, plan.y_components, {},
                               unsampledError(fit.material, unsampled, options.threads)));
@@ -177,8 +196,11 @@ Status addFusedRows(const StudyOptions& options, const StudyTile& data, const st
 Status writePlots(const StudyRows& rows, const std::filesystem::path& folder) {
   const auto series = [](const StudyRow& row) -> std::string {
     const auto text = [&](const char* key) { return std::get<std::string>(*row.find(key)); };
-    if (text("directions") != "sampled" || text("preset") == "smallest" || text("preset") == "split") return {};
-    return text("mode") == "fused" ? "fused" : text("preset") == "seed" ? "lod, as published" : "lod, one basis, 8 bit";
+    if (text("directions") != "sampled" || text("preset") == "smallest" || text("preset") == "split")
+      return {};
+    return text("mode") == "fused"    ? "fused"
+           : text("preset") == "seed" ? "lod, as published"
+                                      : "lod, one basis, 8 bit";
   };
   const std::string title = "Error at the sampled directions", label = "RMSE of Y, white = 1";
   for (const auto& [x, x_label, x_log, file] :
@@ -200,9 +222,11 @@ Result<StudyRows> studyLodFit(const StudyOptions& options) {
     if (!data) return data.issue();
     const auto unsampled = unsampledTruth(options, *data, 75 * kPi / 180);
     if (!unsampled) return unsampled.issue();
-    if (const Status s = addReferenceRows(options, *data, *unsampled, Preset::kSeed, 8, rows); !s) return s.issue();
+    if (const Status s = addReferenceRows(options, *data, *unsampled, Preset::kSeed, 8, rows); !s)
+      return s.issue();
     progress.advance();
-    if (const Status s = addReferenceRows(options, *data, *unsampled, Preset::kGame, 16, rows); !s) return s.issue();
+    if (const Status s = addReferenceRows(options, *data, *unsampled, Preset::kGame, 16, rows); !s)
+      return s.issue();
     progress.advance();
     if (const Status s = addFusedRows(options, *data, *unsampled, rows); !s) return s.issue();
     progress.advance();

@@ -1,28 +1,32 @@
-// The value at lambda 0 .. 6 against the area-averaged truth (LBTF figure 7): the mean of the BTF over the 2^lambda
-// x 2^lambda texels around x, at sampled pairs. "point" is the finest level read there without any level of detail.
+// The value at lambda 0 .. 6 against the area-averaged truth (LBTF figure 7): the mean of the BTF over the
+// 2^lambda x 2^lambda texels around x, at sampled pairs. "point" is the finest level read there without any
+// level of detail.
 #include <cmath>
 
-#include "importer/cook/cook.h"
-#include "importer/cook/fused_plan.h"
-#include "importer/cook/modes.h"
 #include "importer/base/parallel.h"
 #include "importer/base/progress.h"
 #include "importer/base/random.h"
+#include "importer/cook/cook.h"
+#include "importer/cook/fused_plan.h"
+#include "importer/cook/modes.h"
 #include "importer/study/plot.h"
 #include "importer/study/study_tile.h"
-#include "material/model/color.h"
 #include "material/eval/evaluate.h"
+#include "material/model/color.h"
 #include "material/model/leading_part.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
 
-constexpr int kLightStride = 9;       // every ninth light, from a random one in each view: a regular shift would meet
-                                      // the pairs of equal directions, where hot spots are, too often or too rarely
-constexpr int kBoxesPerImage = 64;   // boxes of the level, evenly spread
+constexpr int kLightStride =
+    9;  // every ninth light, from a random one in each view: a regular shift would meet
+        // the pairs of equal directions, where hot spots are, too often or too rarely
+constexpr int kBoxesPerImage = 64;  // boxes of the level, evenly spread
 
 // Root of the mean squared difference of Y.
-double levelError(const Evaluator& evaluator, const BtfSource& source, const YccBtf& truth, int level, double lambda, int threads) {
+double levelError(const Evaluator& evaluator, const BtfSource& source, const YccBtf& truth, int level,
+                  double lambda, int threads) {
   const int boxes = truth.texels(), step = std::max(boxes / kBoxesPerImage, 1);
   std::vector<double> squares(size_t(truth.views()), 0.0);
   std::vector<int> counts(size_t(truth.views()), 0);
@@ -34,7 +38,8 @@ double levelError(const Evaluator& evaluator, const BtfSource& source, const Ycc
     const glm::dvec3 wo = source.views().samples[v];
     const int first_light = static_cast<int>(mixSeed(v, 0) % uint64_t(stride));
     for (int box = int(v) % step; box < boxes; box += step) {
-      const glm::dvec2 x = glm::dvec2(box % truth.side() + 0.5, box / truth.side() + 0.5) / double(truth.side());
+      const glm::dvec2 x =
+          glm::dvec2(box % truth.side() + 0.5, box / truth.side() + 0.5) / double(truth.side());
       const Hit<double> hit = evaluator.findHit(x, lambda, wo);
       for (int l = first_light; l < truth.lights(); l += stride) {
         const glm::dvec3 value = evaluator.evaluate(hit, source.lights().samples[size_t(l)], wo);
@@ -73,7 +78,8 @@ Result<std::vector<Candidate>> candidates(const StudyOptions& options, const Stu
   const Material fused = all.back().material;
   all.push_back({"fused-point", fused, true});
   const FusedPlan split{.y_components = 8, .chroma_components = 2, .light_components = 8};  // --shadows split
-  all.push_back({"fused-split", fitFused(*tile.source, tile.btf, *geometry, split, options.threads).material});
+  all.push_back(
+      {"fused-split", fitFused(*tile.source, tile.btf, *geometry, split, options.threads).material});
   all.push_back({"fused-split-point", all.back().material, true});
   // What streaming shows first: the coarse band's leading part, and before that the mean.
   all.push_back({"fused-lead", fused});
@@ -96,8 +102,9 @@ Result<StudyRows> studyMinification(const StudyOptions& options) {
     YccBtf truth = std::move(data->btf);
     for (int level = 0;; ++level) {
       for (const Candidate& c : *all) {
-        const Evaluator evaluator(c.material, options.threads);
-        const double rmse = levelError(evaluator, *data->source, truth, level, c.point ? 0 : level, options.threads);
+        const Evaluator evaluator(c.material, onThreads(options.threads));
+        const double rmse =
+            levelError(evaluator, *data->source, truth, level, c.point ? 0 : level, options.threads);
         StudyRow row;
         row.set("tile", tile).set("mode", c.mode).set("lambda", level).set("rmse_y", rmse);
         row.set("psnr_db", -20 * std::log10(std::max(rmse, 1e-12)));
@@ -110,7 +117,8 @@ Result<StudyRows> studyMinification(const StudyOptions& options) {
   }
   if (!options.pictures.empty()) {
     const auto mode = [](const StudyRow& row) { return std::get<std::string>(*row.find("mode")); };
-    const Plot plot{"Value against the area-averaged truth", "lambda", "RMSE of Y, white = 1", false, panelsOf(rows, "lambda", "rmse_y", mode)};
+    const Plot plot{"Value against the area-averaged truth", "lambda", "RMSE of Y, white = 1", false,
+                    panelsOf(rows, "lambda", "rmse_y", mode)};
     if (const Status s = writePlot(plot, options.pictures / "minification.svg"); !s) return s.issue();
   }
   return rows;

@@ -1,10 +1,11 @@
-// How far looked-up parameters are from traced ones at views between the samples (FBTF section 4.2, figure 10).
+// How far looked-up parameters are from traced ones at views between the samples (FBTF section 4.2, figure
+// 10).
 //
-// Views are random, uniform in solid angle up to 85 degrees; points x are random, uniform over the tile, and do not
-// fall on texel centres or mesh vertices. The truth is the first hit of the view ray with the tile's own mesh.
-// Both parameters are mapped back to the tile's surface; the error is the distance of the two points' (x, y), in
-// reference texels, to the nearest periodic copy; a parameter in a gutter counts as the point between the texels around it. Rays
-// that miss the mesh are counted and left out. Pictures are of the
+// Views are random, uniform in solid angle up to 85 degrees; points x are random, uniform over the tile, and
+// do not fall on texel centres or mesh vertices. The truth is the first hit of the view ray with the tile's
+// own mesh. Both parameters are mapped back to the tile's surface; the error is the distance of the two
+// points' (x, y), in reference texels, to the nearest periodic copy; a parameter in a gutter counts as the
+// point between the texels around it. Rays that miss the mesh are counted and left out. Pictures are of the
 // published maps and of the cooker's choice. On height fields a cone map is measured beside the lookups.
 #include <algorithm>
 #include <cmath>
@@ -12,17 +13,18 @@
 #include <memory>
 
 #include "importer/bake/bake_scene.h"
-#include "importer/cook/atlas_choice.h"
-#include "importer/fit/lookup_error.h"
-#include "importer/fit/paper_vdim.h"
 #include "importer/base/parallel.h"
 #include "importer/base/progress.h"
 #include "importer/base/random.h"
+#include "importer/cook/atlas_choice.h"
+#include "importer/fit/lookup_error.h"
+#include "importer/fit/paper_vdim.h"
 #include "importer/study/cone_map.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "importer/tile/tile_tracer.h"
 #include "material/model/vdim.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
@@ -91,24 +93,30 @@ StudyRow measure(const Candidate& candidate, const std::vector<Sample>& samples,
   const size_t count = errors.size();
   for (const double error : errors) sum += error;
   const auto over = count - (std::upper_bound(errors.begin(), errors.end(), 1.0) - errors.begin());
-  const auto percentile = [&](double share) { return count ? errors[std::min(count - 1, static_cast<size_t>(share * double(count)))] : 0; };
+  const auto percentile = [&](double share) {
+    return count ? errors[std::min(count - 1, static_cast<size_t>(share * double(count)))] : 0;
+  };
   const double n = double(std::max<size_t>(1, count));
   StudyRow row;
   row.set("tile", tile).set("size", options.size).set("map", candidate.map).set("lookup", candidate.lookup);
   row.set("fetches", fetch_sum / n).set("bytes", uint64_t{candidate.bytes}).set("mean_texels", sum / n);
-  row.set("median_texels", percentile(0.5)).set("p95_texels", percentile(0.95)).set("over_1_texel", double(over) / n);
+  row.set("median_texels", percentile(0.5))
+      .set("p95_texels", percentile(0.95))
+      .set("over_1_texel", double(over) / n);
   return row.set("samples", uint64_t{count}).set("cooked", candidate.cooked ? "yes" : "");
 }
 
-// FBTF figure 10: the mean error of each view. The disc of views has zenith as radius, 85 degrees at its edge; black
-// is kLeast texels and white kMost.
-Status writeErrorDisc(const Candidate& candidate, const TileTracer& tracer, const std::string& tile, const StudyOptions& options) {
+// FBTF figure 10: the mean error of each view. The disc of views has zenith as radius, 85 degrees at its
+// edge; black is kLeast texels and white kMost.
+Status writeErrorDisc(const Candidate& candidate, const TileTracer& tracer, const std::string& tile,
+                      const StudyOptions& options) {
   constexpr int kSide = 128, kPoints = 128;
   constexpr double kLeast = 0.01, kMost = 10;
   std::vector<double> errors(size_t(kSide) * kSide, -1);
   parallelFor(errors.size(), options.threads, [&](size_t pixel) {
     const FlushDenormals flush;
-    const glm::dvec2 at = (glm::dvec2(double(pixel % kSide), double(pixel / kSide)) + .5) * (2.0 / kSide) - 1.0;
+    const glm::dvec2 at =
+        (glm::dvec2(double(pixel % kSide), double(pixel / kSide)) + .5) * (2.0 / kSide) - 1.0;
     if (glm::length(at) >= 1) return;
     const glm::dvec3 wo = directionFromSpherical({glm::length(at) * kThetaMax, std::atan2(at.y, at.x)});
     const uint64_t seed = mixSeed(0xF10, pixel);
@@ -124,14 +132,15 @@ Status writeErrorDisc(const Candidate& candidate, const TileTracer& tracer, cons
     }
     if (hits > 0) errors[pixel] = sum / hits;
   });
-  std::string name = "vdim-interpolation-" + tile + "-" + (candidate.cooked ? "cooked" : candidate.map) + "-" + candidate.lookup + ".png";
+  std::string name = "vdim-interpolation-" + tile + "-" + (candidate.cooked ? "cooked" : candidate.map) +
+                     "-" + candidate.lookup + ".png";
   std::replace(name.begin(), name.end(), ':', '-');
   return writeFigure(logarithmicPicture(errors, kSide, kLeast, kMost), options.pictures / name);
 }
 
 // `owner` keeps the maps alive.
-Candidate lookupCandidate(const std::string& map, size_t bytes, const VdimMaps& maps, Lookup lookup, const GeometryImage& geometry,
-                          std::shared_ptr<const void> owner) {
+Candidate lookupCandidate(const std::string& map, size_t bytes, const VdimMaps& maps, Lookup lookup,
+                          const GeometryImage& geometry, std::shared_ptr<const void> owner) {
   const auto find = [maps, lookup, owner = std::move(owner)](glm::dvec2 x, const glm::dvec3& wo) {
     const auto hit = vdimLookup(maps, lookup, x, wo);
     return Answer{hit.p, hit.fetches};
@@ -143,7 +152,8 @@ Candidate lookupCandidate(const std::string& map, size_t bytes, const VdimMaps& 
 Result<Candidate> paperCandidate(const BakedOutput& baked, glm::ivec2 shape, const GeometryImage& geometry) {
   const auto displacements = baked.vdim(shape.x, shape.y);
   if (!displacements) return displacements.issue();
-  auto vdim = std::make_shared<PaperVdim>(packPaperVdim(*displacements, baked.manifest().size, shape.x, shape.y));
+  auto vdim =
+      std::make_shared<PaperVdim>(packPaperVdim(*displacements, baked.manifest().size, shape.x, shape.y));
   const size_t bytes = vdim->reference.data.size() + vdim->packed.data.size();
   const std::string map = "latlong:" + std::to_string(shape.x) + "x" + std::to_string(shape.y);
   return lookupCandidate(map, bytes, {.paper = vdim.get()}, Lookup::kPaper, geometry, vdim);
@@ -182,23 +192,28 @@ GeometryImage geometryOfSize(const TileTracer& mesh, int side) {
 
 Candidate qualityCandidate(const GeometryImage& geometry) {
   const auto tracer = std::make_shared<GeometryTracer>(geometry, Interpolation::kCubic);
-  return lookupCandidate("geometry " + std::to_string(geometry.side()), geometry.texels.data.size(), {.tracer = tracer.get()}, Lookup::kQuality, geometry, tracer);
+  return lookupCandidate("geometry " + std::to_string(geometry.side()), geometry.texels.data.size(),
+                         {.tracer = tracer.get()}, Lookup::kQuality, geometry, tracer);
 }
 
 // The first hit on the triangles of the geometry image, which is what the atlas's searches look for.
 Candidate triangleCandidate(const GeometryImage& geometry) {
   const auto tracer = std::make_shared<GeometryTracer>(geometry);
-  Candidate candidate = lookupCandidate("geometry " + std::to_string(geometry.side()), geometry.texels.data.size(), {.tracer = tracer.get()}, Lookup::kQuality, geometry, tracer);
+  Candidate candidate =
+      lookupCandidate("geometry " + std::to_string(geometry.side()), geometry.texels.data.size(),
+                      {.tracer = tracer.get()}, Lookup::kQuality, geometry, tracer);
   candidate.lookup = "triangles";
   return candidate;
 }
 
 std::vector<Candidate> searchCandidates(const GeometryImage& geometry, VdimAtlasSize size, int threads) {
-  const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, size, threads));
-  const std::string texels = std::to_string(size.texels), map = "concentric:" + std::to_string(size.directions) + " of " + texels + "x" + texels;
+  const auto atlas = std::make_shared<VdimAtlas>(buildVdimAtlas(geometry, size, onThreads(threads)));
+  const std::string texels = std::to_string(size.texels),
+                    map = "concentric:" + std::to_string(size.directions) + " of " + texels + "x" + texels;
   std::vector<Candidate> candidates;
   for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
-    candidates.push_back(lookupCandidate(map, atlas->bytes(), {.atlas = atlas.get()}, lookup, geometry, atlas));
+    candidates.push_back(
+        lookupCandidate(map, atlas->bytes(), {.atlas = atlas.get()}, lookup, geometry, atlas));
   return candidates;
 }
 
@@ -211,7 +226,8 @@ std::vector<Candidate> coneCandidates(const GeometryImage& geometry, int threads
       const ConeHit hit = coneLookup(*cones, taps, x, wo);
       return Answer{hit.p, hit.fetches};
     };
-    candidates.push_back({"cones " + std::to_string(cones->side), std::to_string(taps) + " taps", cones->bytes(), find, &geometry});
+    candidates.push_back({"cones " + std::to_string(cones->side), std::to_string(taps) + " taps",
+                          cones->bytes(), find, &geometry});
   }
   return candidates;
 }
@@ -243,7 +259,8 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
     }
   const GeometryImage fine = geometryOfSize(mesh, kFineGeometry);
   if (geometry->identity_parameterization)
-    for (Candidate& candidate : coneCandidates(*geometry, options.threads)) candidates.push_back(std::move(candidate));
+    for (Candidate& candidate : coneCandidates(*geometry, options.threads))
+      candidates.push_back(std::move(candidate));
   candidates.push_back(triangleCandidate(*geometry));
   candidates.push_back(qualityCandidate(*geometry));
   if (geometry->side() != kFineGeometry) candidates.push_back(qualityCandidate(fine));
@@ -251,7 +268,8 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   for (const Candidate& candidate : candidates) {
     rows.push_back(measure(candidate, samples, name, options));
     if (!options.pictures.empty() && (candidate.lookup == "paper" || candidate.cooked))
-      if (const Status status = writeErrorDisc(candidate, mesh, name, options); !status) return status.issue();
+      if (const Status status = writeErrorDisc(candidate, mesh, name, options); !status)
+        return status.issue();
     progress.advance();
   }
   return {};

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "material/model/material.h"
 #include "material/base/result.h"
+#include "material/model/material.h"
 
 namespace loden {
 
@@ -36,16 +35,16 @@ struct AssetLimits {
   static constexpr uint32_t kMaxAtlasDirections = 45;  // directions per side; every GL 4.5 has 45 * 45 layers
   static constexpr uint64_t kMaxAtlasWork = kMaxVdimWork;      // to build that atlas
   static constexpr uint64_t kMaxAtlasColumn = kMaxVdimColumn;  // patches per 32nd of a period squared
-  static constexpr uint32_t kMaxTilePeriods = 4;      // any extent of the tile, and any displacement
-  static constexpr uint32_t kMaxLambda = 32;          // levels of detail
-  static constexpr uint32_t kMaxNameBytes = 256;      // material name
-  static constexpr uint32_t kMaxHeadBytes = 131072;   // raw HEAD; no valid record is longer
-  static constexpr uint32_t kMaxMetaBytes = 1048576;  // text about the cooking
-  static constexpr uint32_t kMaxChunkBytes = 2147483648;  // one chunk, stored or raw
-  static constexpr uint32_t kMaxRatio = 1000;             // raw : stored
-  static constexpr uint32_t kTableEnd = 4096;             // the chunk table ends within the first 4 KiB,
-  static constexpr uint32_t kMaxChunks = 84;              // which is what fits there
-  static constexpr uint32_t kAlignment = 64;              // of every chunk's offset
+  static constexpr uint32_t kMaxTilePeriods = 4;               // any extent of the tile, and any displacement
+  static constexpr uint32_t kMaxLambda = 32;                   // levels of detail
+  static constexpr uint32_t kMaxNameBytes = 256;               // material name
+  static constexpr uint32_t kMaxHeadBytes = 131072;            // raw HEAD; no valid record is longer
+  static constexpr uint32_t kMaxMetaBytes = 1048576;           // text about the cooking
+  static constexpr uint32_t kMaxChunkBytes = 2147483648;       // one chunk, stored or raw
+  static constexpr uint32_t kMaxRatio = 1000;                  // raw : stored
+  static constexpr uint32_t kTableEnd = 4096;                  // the chunk table ends within the first 4 KiB,
+  static constexpr uint32_t kMaxChunks = 84;                   // which is what fits there
+  static constexpr uint32_t kAlignment = 64;                   // of every chunk's offset
 };
 
 struct ChunkInfo {
@@ -57,20 +56,6 @@ struct ChunkInfo {
 };
 std::string chunkName(uint32_t type);
 
-// Complete bytes of an asset, identical for identical input.
-Result<std::vector<std::byte>> serializeAsset(const Material& material);
-// serializeAsset to a temporary file, fsync, rename, fsync of the folder.
-Status writeAsset(const Material& material, const std::filesystem::path& path);
-
-// The whole asset; of a prefix that ends at a chunk, what it holds, with Material::lambda_min raised to the
-// finest level that this still gives. `name` is used in messages.
-Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name);
-Result<Material> readAsset(const std::filesystem::path& path);
-
-// Every issue found, the chunk table's first and then in file order; empty if valid, as a prefix that ends at
-// a chunk is. Best effort: goes on after an issue where it can.
-std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name);
-
 // Bytes by range, from a file or from memory; calls may come from a worker thread.
 class ByteSource {
  public:
@@ -78,8 +63,20 @@ class ByteSource {
   virtual uint64_t size() const = 0;
   virtual Status read(uint64_t offset, std::span<std::byte> into) const = 0;
 };
-Result<std::unique_ptr<ByteSource>> openFileSource(const std::filesystem::path& path);
 std::unique_ptr<ByteSource> memorySource(std::vector<std::byte> bytes, std::string name);
+
+// Complete bytes of an asset, identical for identical input.
+Result<std::vector<std::byte>> serializeAsset(const Material& material);
+
+// The whole asset; of a prefix that ends at a chunk, what it holds, with Material::lambda_min raised to the
+// finest level that this still gives. `name` is used in messages.
+Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name);
+// The same of a source, read as it is needed.
+Result<Material> readAsset(const ByteSource& source, const std::string& name);
+
+// Every issue found, the chunk table's first and then in file order; empty if valid, as a prefix that ends at
+// a chunk is. Best effort: goes on after an issue where it can.
+std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name);
 
 // An asset opened but not loaded: header, mean and directions are read, bands and maps come on demand. What
 // streaming uses. The source may be a prefix, cut anywhere after the header: what is not whole is absent.
@@ -87,20 +84,21 @@ class AssetFile {
  public:
   static Result<AssetFile> open(std::shared_ptr<const ByteSource> source, const std::string& name);
 
-  // The material without texel data and META: bands have their description and extents, `data` vectors are empty.
-  // Absent parts are described too.
+  // The material without texel data and META: bands have their description and extents, `data` vectors are
+  // empty. Absent parts are described too.
   const Material& skeleton() const { return skeleton_; }
   // The whole chunk table, absent chunks included.
   std::span<const ChunkInfo> chunks() const { return chunks_; }
-  // How it was cooked (Material::meta_json); empty if that is absent or damaged, since it is optional: what is wrong with it is
-  // for validateAsset to say.
+  // How it was cooked (Material::meta_json); empty if that is absent or damaged, since it is optional: what
+  // is wrong with it is for validateAsset to say.
   std::string loadMeta() const;
   // How many of chunks(), from the front, lie wholly inside the source.
   int presentChunks() const { return present_chunks_; }
   // Of what is stored in two chunks, the leading part alone (material/model/leading_part.h), or all.
   enum class Share { kFirst, kAll };
 
-  // Stored bytes (on disk) of the chunks behind one band (index as in skeleton().bands); 0 if they are absent.
+  // Stored bytes (on disk) of the chunks behind one band (index as in skeleton().bands); 0 if they are
+  // absent.
   uint64_t bandStoredBytes(int band, Share share = Share::kAll) const;
   // The same of the geometry image, the stored VDIM and the surface maps.
   uint64_t geometryStoredBytes() const;
@@ -108,7 +106,8 @@ class AssetFile {
   uint64_t surfaceStoredBytes(Share share = Share::kAll) const;
 
   // Read, check and decompress one part. Each call reads only that part's bytes. Thread safe. What is absent
-  // is an issue (kMissingChunk). `lead` and `tail`: what the same call gave for kFirst; then only the rest is read.
+  // is an issue (kMissingChunk). `lead` and `tail`: what the same call gave for kFirst; then only the rest is
+  // read.
   Result<Band> loadBand(int band, Share share = Share::kAll, const Band* lead = nullptr) const;
   Result<GeometryImage> loadGeometry() const;
   Result<PaperVdim> loadStoredVdim() const;

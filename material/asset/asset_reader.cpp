@@ -23,25 +23,19 @@ class SpanSource final : public ByteSource {
   std::span<const std::byte> bytes_;
 };
 
-Result<Material> readWhole(const ByteSource& source, const std::string& name) {
+}  // namespace
+
+Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name) {
+  return readAsset(SpanSource(bytes), name);
+}
+
+Result<Material> readAsset(const ByteSource& source, const std::string& name) {
   return withoutExceptions(name, [&]() -> Result<Material> {
     IssueList issues(name);
     Material material = readAll(source, true, issues);
     if (!issues.empty()) return issues.first();
     return material;
   });
-}
-
-}  // namespace
-
-Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name) {
-  return readWhole(SpanSource(bytes), name);
-}
-
-Result<Material> readAsset(const std::filesystem::path& path) {
-  const auto source = openFileSource(path);
-  if (!source) return source.issue();
-  return readWhole(**source, path.string());
 }
 
 std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name) {

@@ -4,7 +4,6 @@
 #include "material/asset/asset_check.h"
 #include "material/asset/asset_chunks.h"
 #include "material/asset/asset_header.h"
-#include "material/system/atomic_file.h"
 
 namespace loden {
 namespace {
@@ -61,16 +60,6 @@ Result<std::vector<std::byte>> serialize(const Material& material) {
 
 Result<std::vector<std::byte>> serializeAsset(const Material& material) {
   return withoutExceptions(material.name, [&] { return serialize(material); });
-}
-
-Status writeAsset(const Material& material, const std::filesystem::path& path) {
-  const Result<std::vector<std::byte>> bytes = serializeAsset(material);
-  if (!bytes) {
-    Issue issue = bytes.issue();
-    issue.where = path.string() + ": " + issue.where;
-    return issue;
-  }
-  return writeFileAtomically(path, *bytes);
 }
 
 }  // namespace loden

@@ -35,12 +35,14 @@ int nearestIndex(const std::vector<uint8_t>& image, double x, double y) {
 
 template <class T>
 V4<T> fetchTable(const Band& band, const DirectionGrid& grid, int quad, const TablePosition<T>& at) {
-  if (band.layout == TableLayout::kNearest) return V4<T>(fetchTexel(band.table, 0, at.light_index, at.view_index, quad));
+  if (band.layout == TableLayout::kNearest)
+    return V4<T>(fetchTexel(band.table, 0, at.light_index, at.view_index, quad));
   const V2<T> cells(grid.phis - 1, grid.thetas - 1);
   const V2<T> light = at.light * cells, view = at.view * cells;
   const T row = std::min(std::floor(view.y), T(grid.thetas - 2));
   const T fraction = view.y - row;
-  const V3<T> texel(light.x + T(0.5), row * T(grid.thetas) + light.y + T(0.5), T(quad * grid.phis) + view.x + T(0.5));
+  const V3<T> texel(light.x + T(0.5), row * T(grid.thetas) + light.y + T(0.5),
+                    T(quad * grid.phis) + view.x + T(0.5));
   const V4<T> below = sampleVolume(band.table, texel);
   const V4<T> above = sampleVolume(band.table, texel + V3<T>(0, T(grid.thetas), 0));
   return glm::mix(below, above, fraction);
@@ -55,13 +57,15 @@ V4<T> fetchWeights(const Band& band, int layer, V2<T> q, T lambda) {
 
 // Share of the light that reaches the point. Mirrors loden_light_factor.
 template <class T>
-T lightFactor(const Band& band, float theta_max, const Hit<T>& hit, const V2<T>& q, const TablePosition<T>& at) {
+T lightFactor(const Band& band, float theta_max, const Hit<T>& hit, const V2<T>& q,
+              const TablePosition<T>& at) {
   const DirectionGrid grid = lightTableGrid(band, theta_max);
   const V2<T> texel = at.light * V2<T>(grid.phis - 1, grid.thetas - 1) + T(0.5);
   T sum = 0;
   for (int quad = 0; quad < band.light_quads; ++quad) {
     const V4<T> product = fetchWeights(band, band.lightLayer() + quad, q, hit.lambda) *
-                          sampleVolume(band.light_table, V3<T>(texel, T(quad) + T(0.5))) * V4<T>(band.quad_scale[band.quads() + quad]);
+                          sampleVolume(band.light_table, V3<T>(texel, T(quad) + T(0.5))) *
+                          V4<T>(band.quad_scale[band.quads() + quad]);
     sum += product.x + product.y + product.z + product.w;
   }
   return std::clamp(sum, T(0), T(1));
@@ -69,7 +73,8 @@ T lightFactor(const Band& band, float theta_max, const Hit<T>& hit, const V2<T>&
 
 // (Y, Cb, Cr) that one band adds at full weight.
 template <class T>
-V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const TablePosition<T>& at, const V3<T>& mean) {
+V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const TablePosition<T>& at,
+                   const V3<T>& mean) {
   const DirectionGrid grid = tableGrid(band, theta_max);
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   V3<T> sum(0);
@@ -95,8 +100,8 @@ using ColorMatrix = glm::mat<3, 3, T>;
 
 // What the mean makes of light from all around.
 template <class T>
-ColorMatrix<T> evaluateMeanEnvironment(const Material& m, const EnvironmentMean& table, const HemisphereLight& light,
-                                       const V3<T>& wo, T row) {
+ColorMatrix<T> evaluateMeanEnvironment(const Material& m, const EnvironmentMean& table,
+                                       const HemisphereLight& light, const V3<T>& wo, T row) {
   const int below = std::min(static_cast<int>(row), kEnvironmentThetas - 2);
   const V4<T> t = glm::mix(V4<T>(table.rows[below]), V4<T>(table.rows[below + 1]), row - T(below));
   const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);
@@ -106,7 +111,8 @@ ColorMatrix<T> evaluateMeanEnvironment(const Material& m, const EnvironmentMean&
     const auto l = [&](int k) { return T(light.c[k][c]); };
     const T y = l(0) * t.x + l(1) * t.y + (l(2) * along.x + l(3) * along.y) * t.z +
                 (l(4) * along.x * along.y + l(5) * (along.x * along.x - along.y * along.y)) * t.w;
-    const T chroma = m.mean.chroma == MeanChroma::kRatio ? y : l(0) * T(table.unit.x) + l(1) * T(table.unit.y);
+    const T chroma =
+        m.mean.chroma == MeanChroma::kRatio ? y : l(0) * T(table.unit.x) + l(1) * T(table.unit.y);
     ycc[c] = {y, T(m.mean.cb) * chroma, T(m.mean.cr) * chroma};
   }
   return ycc;
@@ -114,8 +120,9 @@ ColorMatrix<T> evaluateMeanEnvironment(const Material& m, const EnvironmentMean&
 
 // evaluateBand for light from all around; `table` is the band's environmentTable, `view` as in TablePosition.
 template <class T>
-ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, const Hit<T>& hit, const V2<T>& view,
-                                       const HemisphereLight& light, const ColorMatrix<T>& mean) {
+ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, const Hit<T>& hit,
+                                       const V2<T>& view, const HemisphereLight& light,
+                                       const ColorMatrix<T>& mean) {
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   ColorMatrix<T> sum(0);
   // With a light factor the ambient layer comes behind the quads, and adds to Y.
@@ -124,7 +131,8 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
     std::array<V4<T>, 3> scattered{V4<T>(0), V4<T>(0), V4<T>(0)};
     for (int k = 0; k < kEnvironmentBasis; ++k) {
       const T slice = T(quad * kEnvironmentBasis + k) + T(0.5);
-      const V4<T> texel = sampleVolume(table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
+      const V4<T> texel = sampleVolume(
+          table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
       for (int c = 0; c < 3; ++c) scattered[c] += T(light.c[k][c]) * texel;
     }
     const V4<T> weights = fetchWeights(band, ambient ? band.ambientLayer() : quad, q, hit.lambda);
@@ -163,10 +171,11 @@ SurfaceTexel<T> fetchSurface(const SurfaceMaps& maps, const Hit<T>& hit) {
   return {mapped / length, V3<T>(sampleRepeatLod(maps.diffuse, mip, 0, hit.p)), exponent, strength};
 }
 
-// The analytic appearance under light from all around: the polynomial's irradiance on the mapped normal, and its
-// value along the mirror direction times the lobe's integral, blurred as the lobe's width asks.
+// The analytic appearance under light from all around: the polynomial's irradiance on the mapped normal, and
+// its value along the mirror direction times the lobe's integral, blurred as the lobe's width asks.
 template <class T>
-V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, const HemisphereLight& light, const V3<T>& wo) {
+V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, const HemisphereLight& light,
+                                 const V3<T>& wo) {
   const SurfaceTexel<T> s = fetchSurface(maps, hit);
   const V3<T>& n = s.normal;
   V3<T> r = T(2) * glm::dot(n, wo) * n - wo;
@@ -179,7 +188,8 @@ V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, con
   const V3<T> mirrored = l(0) + first * (l(1) * r.z + l(2) * r.x + l(3) * r.y) +
                          second * (l(4) * (r.x * r.y) + l(5) * (r.x * r.x - r.y * r.y));
   const V3<T> none(0);
-  return s.diffuse * glm::max(irradiance, none) + (s.strength * T(8) / (s.exponent + T(8))) * glm::max(mirrored, none);
+  return s.diffuse * glm::max(irradiance, none) +
+         (s.strength * T(8) / (s.exponent + T(8))) * glm::max(mirrored, none);
 }
 
 template <class T>
@@ -191,7 +201,8 @@ V3<T> evaluateSurface(const SurfaceMaps& maps, const Hit<T>& hit, const V3<T>& w
   return (s.diffuse + s.strength * lobe) * std::max(glm::dot(s.normal, wi), T(0));
 }
 
-// A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus tilt.
+// A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus
+// tilt.
 template <class T>
 V3<T> tilted(const V2<T>& tilt, const V3<T>& w) {
   const V2<T> xy(w.x, w.y);
@@ -220,10 +231,11 @@ const char* modeName(Mode mode) {
   return "unknown";
 }
 
-Evaluator::Evaluator(const Material& material, int threads) : material_(&material) {
+Evaluator::Evaluator(const Material& material, const ForEach& for_each) : material_(&material) {
   if (!material.geometry.empty() && material.mode != Mode::kLod)
-    atlas_ = buildVdimAtlas(material.geometry, material.atlas, threads);
-  if (material.lights.size() > 0) nearest_light_ = nearestDirectionLookup(material.lights, kNearestLookupSide);
+    atlas_ = buildVdimAtlas(material.geometry, material.atlas, for_each);
+  if (material.lights.size() > 0)
+    nearest_light_ = nearestDirectionLookup(material.lights, kNearestLookupSide);
   if (material.views.size() > 0) nearest_view_ = nearestDirectionLookup(material.views, kNearestLookupSide);
 }
 
@@ -243,13 +255,14 @@ template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
   if (!material.geometry.identity_parameterization) return T(1);
   const T slope = std::sqrt(wo.x * wo.x + wo.y * wo.y) / std::max(wo.z, T(std::cos(kThetaMax)));
-  const T texels = T(std::max(material.geometry.range.z, 1e-9f)) * slope * T(material.side) * std::exp2(-lambda);
+  const T texels =
+      T(std::max(material.geometry.range.z, 1e-9f)) * slope * T(material.side) * std::exp2(-lambda);
   return std::clamp(T(4) * texels - T(1), T(0), T(1));
 }
 
 template <class T>
-Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax,
-                          const LocalSurface<T>& surface) const {
+Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup,
+                          Parallax parallax, const LocalSurface<T>& surface) const {
   Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)})};
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
@@ -258,7 +271,8 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   const bool fades = parallax == Parallax::kFaded && lookup != Lookup::kPaper;
   const T fade = fades ? parallaxFade(*material_, hit.lambda, wo) : T(1);
   const T share = parameterShare(*material_, hit.lambda);
-  const bool fitted = material_->mode == Mode::kSurface || !material_->bands.empty();  // before, fits look p up for the bands to come
+  const bool fitted = material_->mode == Mode::kSurface ||
+                      !material_->bands.empty();  // before, fits look p up for the bands to come
   if (!(fade > 0) || (fitted && !(share > 0) && lookup != Lookup::kPaper)) return hit;
   const VdimHit<T> found = vdimLookup(maps, lookup, x, wo, surface);
   hit.p = glm::mix(x, found.p, fade);
@@ -277,7 +291,8 @@ glm::mat<3, 3, T> hitFrame(const Hit<T>& hit, const glm::mat<3, 3, T>& frame) {
 }
 
 template <class T>
-glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_ts, const glm::vec<3, T>& wo_ts) const {
+glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_ts,
+                                   const glm::vec<3, T>& wo_ts) const {
   const Material& m = *material_;
   const V3<T> wi = tilted(hit.tilt, wi_ts), wo = tilted(hit.tilt, wo_ts);
   if (wi.z <= 0 || wo.z <= 0) return V3<T>(0);
@@ -302,6 +317,7 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_t
 
 void Evaluator::prepareEnvironment() {
   environment_mean_ = environmentMean(*material_);
+  environment_tables_.clear();
   for (const Band& band : material_->bands) environment_tables_.push_back(environmentTable(*material_, band));
 }
 
@@ -315,11 +331,13 @@ glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const Hemispher
   LODEN_CHECK_EQ(environment_tables_.size(), m.bands.size());
   const V3<T> view = clampTheta(wo, T(m.theta_max));
   const V2<T> at = gridPosition(view, T(m.theta_max));
-  const ColorMatrix<T> mean = evaluateMeanEnvironment(m, environment_mean_, light, view, at.y * T(kEnvironmentThetas - 1));
+  const ColorMatrix<T> mean =
+      evaluateMeanEnvironment(m, environment_mean_, light, view, at.y * T(kEnvironmentThetas - 1));
   ColorMatrix<T> ycc = mean;
   for (size_t b = 0; b < m.bands.size(); ++b) {
     const T weight = windowWeight(m.bands[b].window, hit.lambda);
-    if (weight > 0) ycc += weight * evaluateBandEnvironment(m.bands[b], environment_tables_[b], hit, at, light, mean);
+    if (weight > 0)
+      ycc += weight * evaluateBandEnvironment(m.bands[b], environment_tables_[b], hit, at, light, mean);
   }
   return glm::max(V3<T>(rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z), V3<T>(0));
 }
@@ -331,7 +349,8 @@ float lightFactorAt(const Material& material, const Band& band, const glm::vec2&
   return lightFactor(band, material.theta_max, hit, p, at);
 }
 
-glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi, const glm::vec3& wo) {
+glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi,
+                     const glm::vec3& wo) {
   TablePosition<float> at;
   at.light = gridPosition(wi, material.theta_max);
   at.view = gridPosition(wo, material.theta_max);
@@ -347,10 +366,11 @@ template glm::dmat3 hitFrame(const Hit<double>&, const glm::dmat3&);
 template float parallaxFade(const Material&, float, const glm::vec<3, float>&);
 template double parallaxFade(const Material&, double, const glm::vec<3, double>&);
 template Hit<float> Evaluator::findHit(glm::vec<2, float>, float, const glm::vec<3, float>&, Lookup, Parallax,
-                                         const LocalSurface<float>&) const;
-template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup, Parallax,
-                                         const LocalSurface<double>&) const;
-template glm::vec<3, float> Evaluator::evaluate(const Hit<float>&, const glm::vec<3, float>&, const glm::vec<3, float>&) const;
+                                       const LocalSurface<float>&) const;
+template Hit<double> Evaluator::findHit(glm::vec<2, double>, double, const glm::vec<3, double>&, Lookup,
+                                        Parallax, const LocalSurface<double>&) const;
+template glm::vec<3, float> Evaluator::evaluate(const Hit<float>&, const glm::vec<3, float>&,
+                                                const glm::vec<3, float>&) const;
 template glm::vec<3, double> Evaluator::evaluate(const Hit<double>&, const glm::vec<3, double>&,
                                                  const glm::vec<3, double>&) const;
 template glm::vec<3, float> Evaluator::evaluateEnvironment(const Hit<float>&, const HemisphereLight&,

@@ -15,33 +15,35 @@ namespace loden {
 // One shading point, found once per pixel and shared by all lights.
 template <class T>
 struct Hit {
-  glm::vec<2, T> x{0};  // reference domain, tile periods
-  glm::vec<2, T> p{0};  // parameter domain; equal to x without meso-geometry
-  T lambda = 0;         // level of detail
-  T depth = 0;          // height of the hit over the tangent plane at x, tile lengths, <= 0
-  int fetches = 0;      // of the lookup
-  bool missed = false;  // the ray goes by a convex surface without meeting the tile
+  glm::vec<2, T> x{0};     // reference domain, tile periods
+  glm::vec<2, T> p{0};     // parameter domain; equal to x without meso-geometry
+  T lambda = 0;            // level of detail
+  T depth = 0;             // height of the hit over the tangent plane at x, tile lengths, <= 0
+  int fetches = 0;         // of the lookup
+  bool missed = false;     // the ray goes by a convex surface without meeting the tile
   glm::vec<2, T> tilt{0};  // of the surface's normal at the hit against that at x, on a curved surface
 };
 
-// Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do by
-// default (LodenMaterial::skip_parallax); kFull is what fits and comparisons measure.
+// Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do
+// by default (LodenMaterial::skip_parallax); kFull is what fits and comparisons measure.
 enum class Parallax : uint32_t { kFull, kFaded };
 
 // Share of the parallax to apply, 0..1, at 1 wherever p is not x without it. Mirrors loden_parallax_fade.
 template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo);
 
-// The tangent frame at x (columns: tangent, bitangent, normal) turned to where the ray meets the tile. Mirrors loden_hit_frame.
+// The tangent frame at x (columns: tangent, bitangent, normal) turned to where the ray meets the tile.
+// Mirrors loden_hit_frame.
 template <class T>
 glm::mat<3, 3, T> hitFrame(const Hit<T>& hit, const glm::mat<3, 3, T>& frame);
 
-// Keeps what is derived from a material: VDIM atlas (of Material::atlas), nearest-direction images. The material must
-// outlive it and stay where it is.
+// Keeps what is derived from a material: VDIM atlas (of Material::atlas), nearest-direction images. The
+// material must outlive it and stay where it is.
 class Evaluator {
  public:
-  // With `threads` threads (0: all); the result does not depend on their number.
-  explicit Evaluator(const Material& material, int threads = 0);
+  // `for_each` runs what there is to build; the result does not depend on it.
+  explicit Evaluator(const Material& material, const ForEach& for_each = inOrder);
+  explicit Evaluator(Material&&, const ForEach& = inOrder) = delete;
 
   const Material& material() const { return *material_; }
   const VdimAtlas& atlas() const { return atlas_; }
@@ -49,23 +51,25 @@ class Evaluator {
   // Builds what Lookup::kQuality reads; a material with geometry needs it for that.
   void prepareQuality();
 
-  // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0. p is x, without a fetch, where nothing
-  // that shows at lambda is read at p.
+  // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0. p is x, without a fetch,
+  // where nothing that shows at lambda is read at p.
   template <class T>
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
                  Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;
 
-  // Linear RGB, white Lambert lit from above = 1: pi f_r cos(theta_i), also where the asset's values leave the cosine
-  // out; radiance = irradiance * value_scale * this. Not negative: where a fit undershoots black, 0.
+  // Linear RGB, white Lambert lit from above = 1: pi f_r cos(theta_i), also where the asset's values leave
+  // the cosine out; radiance = irradiance * value_scale * this. Not negative: where a fit undershoots black,
+  // 0.
   template <class T>
   glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
 
   // Builds what evaluateEnvironment reads.
   void prepareEnvironment();
-  // evaluate() integrated with light from all around, over pi: radiance = pi * value_scale * this. Not negative. The light
-  // is that of hitFrame(hit, frame). After prepareEnvironment(), but for mode surface.
+  // evaluate() integrated with light from all around, over pi: radiance = pi * value_scale * this. Not
+  // negative. The light is that of hitFrame(hit, frame). After prepareEnvironment(), but for mode surface.
   template <class T>
-  glm::vec<3, T> evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light, const glm::vec<3, T>& wo) const;
+  glm::vec<3, T> evaluateEnvironment(const Hit<T>& hit, const HemisphereLight& light,
+                                     const glm::vec<3, T>& wo) const;
 
  private:
   VdimMaps vdimMaps() const;
@@ -78,9 +82,10 @@ class Evaluator {
   std::vector<uint8_t> nearest_light_, nearest_view_;
 };
 
-// E_b(wi, wo) as evaluate() reads it, for one quad and without its scale; both directions at most theta_max from
-// the normal.
-glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi, const glm::vec3& wo);
+// E_b(wi, wo) as evaluate() reads it, for one quad and without its scale; both directions at most theta_max
+// from the normal.
+glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi,
+                     const glm::vec3& wo);
 
 // The light factor of a band that has one, at its weights' finest level; 0..1.
 float lightFactorAt(const Material& material, const Band& band, const glm::vec2& q, const glm::vec3& wi);

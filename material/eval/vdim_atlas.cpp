@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "material/base/check.h"
 #include "material/base/issues.h"
@@ -24,24 +22,11 @@ double rimRadius() {
   return kRim;
 }
 
-// Runs body(k) for k in [0, count) on `threads` threads (0: all); every k once, in no order, until a stop.
-template <class Body>
-void parallelFor(int count, int threads, const std::stop_token& stop, const Body& body) {
-  if (threads <= 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int k; !stop.stop_requested() && (k = next.fetch_add(1)) < count;) body(k);
-  };
-  std::vector<std::jthread> pool;
-  for (int t = 1; t < std::min(threads, count); ++t) pool.emplace_back(work);
-  work();
-}
-
 // The patches of a geometry image, seen from one direction after the other.
 //
-// Seen along the view ray with slope s = wo.xy / wo.z, the point P lies at P.xy - s P.z on the reference plane, and the
-// first hit of the ray through x is the highest point that lies at x: a depth buffer. Most patches are smaller than
-// what is between two samples, and cover none.
+// Seen along the view ray with slope s = wo.xy / wo.z, the point P lies at P.xy - s P.z on the reference
+// plane, and the first hit of the ray through x is the highest point that lies at x: a depth buffer. Most
+// patches are smaller than what is between two samples, and cover none.
 class ShearedPatches {
  public:
   explicit ShearedPatches(const GeometryImage& image) {
@@ -62,10 +47,12 @@ class ShearedPatches {
       findSpans(corners_[0], begin, float(slope.x), float(side), columns);
       findSpans(corners_[1], begin, float(slope.y), float(side), rows);
       std::array<uint8_t, kBlock> covers;
-      for (size_t k = 0; k < kBlock; ++k) covers[k] = (columns.begin[k] < columns.end[k]) & (rows.begin[k] < rows.end[k]);
+      for (size_t k = 0; k < kBlock; ++k)
+        covers[k] = (columns.begin[k] < columns.end[k]) & (rows.begin[k] < rows.end[k]);
       for (size_t k = 0; k < kBlock; ++k) {
         if (!covers[k]) continue;
-        const Samples samples{{columns.begin[k], rows.begin[k]}, {columns.end[k], rows.end[k]}, side, 1.0 / side};
+        const Samples samples{
+            {columns.begin[k], rows.begin[k]}, {columns.end[k], rows.end[k]}, side, 1.0 / side};
         if (samples.end.x - samples.begin.x > kNarrow) [[unlikely]] {
           drawWide(begin + k, slope, samples, z);
           continue;
@@ -80,9 +67,9 @@ class ShearedPatches {
  private:
   static constexpr size_t kBlock = 64;
   using Corners = std::array<std::vector<float>, 4>;  // around the patch
-  static constexpr double kSeam = 1e-9;  // closes the seams between neighbours
-  static constexpr int kNarrow = 8;      // samples that are tested sooner than left out
-  static constexpr double kFar = 1e6;    // samples; farther than any triangle
+  static constexpr double kSeam = 1e-9;               // closes the seams between neighbours
+  static constexpr int kNarrow = 8;                   // samples that are tested sooner than left out
+  static constexpr double kFar = 1e6;                 // samples; farther than any triangle
   struct Spans {
     std::array<int, kBlock> begin, end;  // of samples
   };
@@ -103,18 +90,20 @@ class ShearedPatches {
       for (size_t c = 0; c < 4; ++c) corners_[size_t(axis)][c].push_back(float(corners[c][axis]));
   }
 
-  // Of the samples (i + .5) / n between the least and the largest place of four corners along one axis; rather one
-  // too many than one too few.
+  // Of the samples (i + .5) / n between the least and the largest place of four corners along one axis;
+  // rather one too many than one too few.
   void findSpans(const Corners& at, size_t begin, float slope, float n, Spans& spans) const {
-    // Samples. The conversion rounds towards 0, so all is moved above it: no patch lies further out than the deepest tile's
-    // under the flattest view.
+    // Samples. The conversion rounds towards 0, so all is moved above it: no patch lies further out than the
+    // deepest tile's under the flattest view.
     constexpr float kMargin = 2e-3f, kPositive = 8192;
     const float *a = &at[0][begin], *b = &at[1][begin], *c = &at[2][begin], *d = &at[3][begin];
     const Corners& z = corners_[2];
     const float *az = &z[0][begin], *bz = &z[1][begin], *cz = &z[2][begin], *dz = &z[3][begin];
     for (size_t k = 0; k < kBlock; ++k) {
-      const float pa = a[k] - slope * az[k], pb = b[k] - slope * bz[k], pc = c[k] - slope * cz[k], pd = d[k] - slope * dz[k];
-      const float low = std::min(std::min(pa, pb), std::min(pc, pd)), high = std::max(std::max(pa, pb), std::max(pc, pd));
+      const float pa = a[k] - slope * az[k], pb = b[k] - slope * bz[k], pc = c[k] - slope * cz[k],
+                  pd = d[k] - slope * dz[k];
+      const float low = std::min(std::min(pa, pb), std::min(pc, pd)),
+                  high = std::max(std::max(pa, pb), std::max(pc, pd));
       spans.begin[k] = static_cast<int>(low * n + (kPositive + 0.5f - kMargin)) - static_cast<int>(kPositive);
       spans.end[k] = static_cast<int>(high * n + (kPositive + 0.5f + kMargin)) - static_cast<int>(kPositive);
     }
@@ -129,8 +118,8 @@ class ShearedPatches {
     return p;
   }
 
-  static void drawTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Samples& samples,
-                           std::vector<double>& z) {
+  static void drawTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                           const Samples& samples, std::vector<double>& z) {
     const glm::dvec3 ab = b - a, ac = c - a;
     const double det = ab.x * ac.y - ab.y * ac.x;
     if (std::abs(det) < 1e-18) return;
@@ -146,16 +135,17 @@ class ShearedPatches {
       }
   }
 
-  [[gnu::noinline]] void drawWide(size_t patch, const glm::dvec2& slope, const Samples& samples, std::vector<double>& z) const {
+  [[gnu::noinline]] void drawWide(size_t patch, const glm::dvec2& slope, const Samples& samples,
+                                  std::vector<double>& z) const {
     const std::array<glm::dvec3, 4> p = sheared(patch, slope);
     drawSliver(p[0], p[1], p[2], samples, z);
     drawSliver(p[0], p[2], p[3], samples, z);
   }
 
-  // As drawTriangle row by row, of each no more than the triangle can cover and a sample at either end: a steep triangle seen from the
-  // side is a sliver across many periods, and the box around it nearly empty.
-  static void drawSliver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Samples& samples,
-                         std::vector<double>& z) {
+  // As drawTriangle row by row, of each no more than the triangle can cover and a sample at either end: a
+  // steep triangle seen from the side is a sliver across many periods, and the box around it nearly empty.
+  static void drawSliver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                         const Samples& samples, std::vector<double>& z) {
     const glm::dvec2 ab = b - a, ac = c - a;
     const double det = ab.x * ac.y - ab.y * ac.x;
     const glm::dvec2 edges[3] = {{ac.y, -ac.x}, {-ab.y, ab.x}, {ab.y - ac.y, ac.x - ab.x}};
@@ -173,12 +163,15 @@ class ShearedPatches {
       const glm::dvec2 from = glm::dvec2(e == 2 ? b : a) / samples.spacing - 0.5;
       const double change = -edges[e].y / edges[e].x;
       const Crossing crossing{from.x - change * from.y, change};
-      if (edges[e].x * det > 0) left[lefts++] = crossing;
-      else right[rights++] = crossing;
+      if (edges[e].x * det > 0)
+        left[lefts++] = crossing;
+      else
+        right[rights++] = crossing;
     }
     for (int j = samples.begin.y; j < samples.end.y; ++j) {
       const auto crosses = [j](const Crossing& crossing) { return crossing.at + crossing.change * j; };
-      const double begin = std::max(crosses(left[0]), crosses(left[1])) - 1, end = std::min(crosses(right[0]), crosses(right[1])) + 2;
+      const double begin = std::max(crosses(left[0]), crosses(left[1])) - 1,
+                   end = std::min(crosses(right[0]), crosses(right[1])) + 2;
       Samples row = samples;
       row.begin = {std::max(row.begin.x, static_cast<int>(std::max(begin, -kFar))), j};
       row.end = {std::min(row.end.x, static_cast<int>(std::min(end, kFar))), j + 1};
@@ -190,7 +183,8 @@ class ShearedPatches {
   std::array<Corners, 3> corners_;  // x, y, z
 };
 
-void drawLayer(const ShearedPatches& patches, const VdimAtlasSize& size, double z_min, int layer, Texture& depth) {
+void drawLayer(const ShearedPatches& patches, const VdimAtlasSize& size, double z_min, int layer,
+               Texture& depth) {
   const glm::dvec2 square((layer % size.directions + 0.5) / size.directions,
                           (layer / size.directions + 0.5) / size.directions);
   const glm::dvec3 wo = vdimViewFromSquare(square);
@@ -203,7 +197,9 @@ void drawLayer(const ShearedPatches& patches, const VdimAtlasSize& size, double 
 
 // Columns of the volume over one period, by a cell's indices of any period, and by a place.
 int columnCell(double at) { return static_cast<int>(std::floor(at * kVolumeSide)); }
-size_t column(int x, int y) { return size_t(y & (kVolumeSide - 1)) * kVolumeSide + size_t(x & (kVolumeSide - 1)); }
+size_t column(int x, int y) {
+  return size_t(y & (kVolumeSide - 1)) * kVolumeSide + size_t(x & (kVolumeSide - 1));
+}
 size_t columnAt(const glm::dvec3& place) { return column(columnCell(place.x), columnCell(place.y)); }
 
 // Surface points in columns over one period, to find the one nearest to a place.
@@ -222,8 +218,8 @@ class PointColumns {
   }
   bool empty() const { return empty_; }
 
-  // p - X.xy of the nearest point, into [-.5, .5]. Rings of columns around the place, until the next is farther away
-  // than what was found.
+  // p - X.xy of the nearest point, into [-.5, .5]. Rings of columns around the place, until the next is
+  // farther away than what was found.
   glm::dvec2 nearestDisplacement(const glm::dvec3& place) const {
     Nearest best;
     for (int ring = 0; ring <= kVolumeSide / 2; ++ring) {
@@ -231,7 +227,8 @@ class PointColumns {
       if (best.point && beyond * beyond > best.distance) break;
       for (int y = -ring; y <= ring; ++y) {
         const int step = std::abs(y) == ring ? 1 : std::max(2 * ring, 1);  // the ring's border alone
-        for (int x = -ring; x <= ring; x += step) search(columnCell(place.x) + x, columnCell(place.y) + y, place, best);
+        for (int x = -ring; x <= ring; x += step)
+          search(columnCell(place.x) + x, columnCell(place.y) + y, place, best);
       }
     }
     const glm::dvec2 displacement = best.point->p - glm::dvec2(best.point->position);
@@ -265,12 +262,12 @@ class PointColumns {
   bool empty_ = true;
 };
 
-Texture buildVolume(const GeometryImage& image, int threads, const std::stop_token& stop) {
+Texture buildVolume(const GeometryImage& image, const ForEach& for_each) {
   Texture volume =
       Texture::make(TexelFormat::kRG16Snorm, TextureShape::kVolume, kVolumeSide, kVolumeSide, kVolumeDepth);
   const PointColumns points(image);
   if (points.empty()) return volume;
-  parallelFor(kVolumeDepth * kVolumeSide, threads, stop, [&](int row) {
+  for_each(kVolumeDepth * kVolumeSide, [&](int row) {
     const int y = row % kVolumeSide, z = row / kVolumeSide;
     for (int x = 0; x < kVolumeSide; ++x) {
       const glm::dvec3 centre((x + 0.5) / kVolumeSide, (y + 0.5) / kVolumeSide,
@@ -283,9 +280,9 @@ Texture buildVolume(const GeometryImage& image, int threads, const std::stop_tok
 
 }  // namespace
 
-// Per view a patch is two slivers: so many rows of samples high as its edges and its height, seen at the slope, are long, and
-// so many samples wide as its edges. `kSlope` is the mean of the grid's views along an axis, rounded up; a row costs kRow times
-// what a patch does that covers no sample.
+// Per view a patch is two slivers: so many rows of samples high as its edges and its height, seen at the
+// slope, are long, and so many samples wide as its edges. `kSlope` is the mean of the grid's views along an
+// axis, rounded up; a row costs kRow times what a patch does that covers no sample.
 Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size) {
   constexpr double kSlope = 4, kRow = 8;
   const int n = image.side();
@@ -298,12 +295,17 @@ Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size) {
       const auto apart = [&](const glm::dvec3& corner) { return glm::abs(corner - patch.p00); };
       const glm::dvec3 most = glm::max(apart(patch.p10), glm::max(apart(patch.p01), apart(patch.p11)));
       const double across = std::max(most.x, most.y);
-      if (across < kTear) work += (kRow * size.texels * (across + kSlope * most.z) + 1) * (size.texels * across + 1);
+      if (across < kTear)
+        work += (kRow * size.texels * (across + kSlope * most.z) + 1) * (size.texels * across + 1);
       ++columns[columnAt(0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11))];
     }
   work *= double(size.directions) * size.directions;
-  const auto issue = [](const char* text) { return Issue{issue_id::kMapField, Severity::kError, "geometry image", text}; };
-  if (work > double(kMaxVdimWork)) return issue("its surface is torn in so many places that an atlas of this size would take minutes to build");
+  const auto issue = [](const char* text) {
+    return Issue{issue_id::kMapField, Severity::kError, "geometry image", text};
+  };
+  if (work > double(kMaxVdimWork))
+    return issue(
+        "its surface is torn in so many places that an atlas of this size would take minutes to build");
   if (!image.identity_parameterization && *std::max_element(columns.begin(), columns.end()) > kMaxVdimColumn)
     return issue("nearly all of its surface is in one place");
   return {};
@@ -347,23 +349,24 @@ glm::dvec3 vdimViewFromSquare(glm::dvec2 square) {
   return {disk * (sine / radius), std::sqrt(1 - sine * sine)};
 }
 
-Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads, const std::stop_token& stop) {
+Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, const ForEach& for_each) {
   LODEN_CHECK_LT(0, size.texels);
   LODEN_CHECK_LT(0, size.directions);
   const int layers = size.directions * size.directions;
-  Texture depth = Texture::make(TexelFormat::kR8Unorm, TextureShape::kArray2D, size.texels, size.texels, layers);
+  Texture depth =
+      Texture::make(TexelFormat::kR8Unorm, TextureShape::kArray2D, size.texels, size.texels, layers);
   const ShearedPatches patches(image);
   const double z_min = -packedRange(image).z;
-  parallelFor(layers, threads, stop, [&](int layer) { drawLayer(patches, size, z_min, layer, depth); });
+  for_each(layers, [&](int layer) { drawLayer(patches, size, z_min, layer, depth); });
   return depth;
 }
 
-VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads, const std::stop_token& stop) {
+VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, const ForEach& for_each) {
   VdimAtlas atlas;
   atlas.size = size;
   atlas.geometry = packGeometry(image);
-  atlas.depth = buildVdimDepth(image, size, threads, stop);
-  if (!image.identity_parameterization) atlas.volume = buildVolume(image, threads, stop);
+  atlas.depth = buildVdimDepth(image, size, for_each);
+  if (!image.identity_parameterization) atlas.volume = buildVolume(image, for_each);
   return atlas;
 }
 

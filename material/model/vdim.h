@@ -1,18 +1,19 @@
 // View-dependent indirection: p = VDIM(x, wo), where the view ray through x first meets the tile
 // (Hadim et al. 2009, eq. 1). Two representations:
 //   PaperVdim   the published one: reference indirection, direction and distance per view (eqs. 2, 3; 3.5)
-//   VdimAtlas   depths per (direction, texel) that seed a Newton search on the packed geometry image; built from
+//   VdimAtlas   depths per (direction, texel) that seed a Newton search on the packed geometry image; built
+//   from
 //               the geometry image at load, at the size that a scene's budget allows
 #pragma once
 
 #include <glm/glm.hpp>
 #include <optional>
-#include <stop_token>
 #include <string_view>
 
+#include "material/base/for_each.h"
+#include "material/base/result.h"
 #include "material/model/directions.h"
 #include "material/model/packed_geometry.h"
-#include "material/base/result.h"
 #include "material/model/texture.h"
 
 namespace loden {
@@ -20,11 +21,11 @@ namespace loden {
 // Views beyond this are looked up at it, in the maps and in the search; radians.
 inline constexpr double kThetaMax = 85.0 * kPi / 180.0;
 
-// The published map (FBTF 3.5): latlong Z x A directions, theta_z = kThetaMax * z / (Z - 1), phi_a = 2 pi a / (A - 1) (the
-// last column repeats the first, the pole row repeats one value). The paper's zeniths end at 90 degrees, where displacements
-// grow without bound; ours end at kThetaMax, which is kinder to it.
+// The published map (FBTF 3.5): latlong Z x A directions, theta_z = kThetaMax * z / (Z - 1), phi_a = 2 pi a /
+// (A - 1) (the last column repeats the first, the pole row repeats one value). The paper's zeniths end at 90
+// degrees, where displacements grow without bound; ours end at kThetaMax, which is kinder to it.
 struct PaperVdim {
-  int side = 0;      // reference texels per side
+  int side = 0;  // reference texels per side
   int zeniths = 0, azimuths = 0;
   // side x side x 1, RG16 snorm: R - x in tile periods / range.x, the indirection along the normal.
   Texture reference;
@@ -34,28 +35,30 @@ struct PaperVdim {
   glm::vec2 range{1, 1};  // tile periods
 };
 
-// Texels x directions of the atlas; bytes = texels^2 * directions^2 + volume + packed geometry. Few directions cost
-// missed occluders, few texels long searches; which split is best depends on the tile, so an asset names its own
-// (Material::atlas). By default one that is good for all of them, .41 MB with the rest.
+// Texels x directions of the atlas; bytes = texels^2 * directions^2 + volume + packed geometry. Few
+// directions cost missed occluders, few texels long searches; which split is best depends on the tile, so an
+// asset names its own (Material::atlas). By default one that is good for all of them, .41 MB with the rest.
 struct VdimAtlasSize {
   int texels = 28;
   int directions = 20;
   friend bool operator==(VdimAtlasSize, VdimAtlasSize) = default;
 };
 
-// The atlas that the runtime shows first, until the full one is built: a tenth of it in bytes, a seventh in the time it
-// takes to build. Its mean error is 1.5 to 2.7 times the full one's, .55 texels at most (`loden study vdim-interpolation`).
+// The atlas that the runtime shows first, until the full one is built: a tenth of it in bytes, a seventh in
+// the time it takes to build. Its mean error is 1.5 to 2.7 times the full one's, .55 texels at most (`loden
+// study vdim-interpolation`).
 inline constexpr VdimAtlasSize kFirstVdimAtlas{16, 12};
 
 // All that a lookup reads.
 struct VdimAtlas {
   VdimAtlasSize size;
   PackedGeometry geometry;
-  // texels x texels x directions^2 layers, R8 unorm: z of the first hit = (code - 1) * geometry.range.z. Layer
-  // v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
+  // texels x texels x directions^2 layers, R8 unorm: z of the first hit = (code - 1) * geometry.range.z.
+  // Layer v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
   Texture depth;
-  // 32 x 32 x 8 volume over [0,1)^2 x [0, -range.z] (z slice 0 is the top), RG16 snorm: twice p - X.xy, wrapped
-  // into [-.5, .5], of the surface point nearest to the voxel's centre. Empty on identity parameterizations.
+  // 32 x 32 x 8 volume over [0,1)^2 x [0, -range.z] (z slice 0 is the top), RG16 snorm: twice p - X.xy,
+  // wrapped into [-.5, .5], of the surface point nearest to the voxel's centre. Empty on identity
+  // parameterizations.
   Texture volume;
   size_t bytes() const { return geometry.texels.data.size() + depth.data.size() + volume.data.size(); }
 };
@@ -72,37 +75,40 @@ template <class T>
 glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo);
 glm::dvec3 vdimViewFromSquare(glm::dvec2 square);
 
-// Bounds on what building an atlas costs, in visits of a patch that covers no sample, and in surface patches per column of the
-// search for the nearest one. A torn image could need hours.
+// Bounds on what building an atlas costs, in visits of a patch that covers no sample, and in surface patches
+// per column of the search for the nearest one. A torn image could need hours.
 inline constexpr uint64_t kMaxVdimWork = uint64_t{1} << 32;
 inline constexpr uint64_t kMaxVdimColumn = uint64_t{1} << 18;
-// Whether an atlas of that size may be built from the image; what it costs is estimated in one pass over the patches.
-// Issues: kMapField.
+// Whether an atlas of that size may be built from the image; what it costs is estimated in one pass over the
+// patches. Issues: kMapField.
 Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size);
 
-// Built with `threads` threads (0: all); the result does not depend on their number. An image from elsewhere must have
-// passed checkVdimWork. A stop is looked for before each direction and each row of the volume; what is not built by then is 0.
-VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, int threads = 0, const std::stop_token& stop = {});
+// The atlas of an image, which if it comes from elsewhere must have passed checkVdimWork. A piece of work is
+// one direction or one row of the volume; the result does not depend on their order, and is 0 where
+// `for_each` left one out.
+VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, const ForEach& for_each = inOrder);
 // VdimAtlas::depth alone.
-Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, int threads = 0, const std::stop_token& stop = {});
+Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, const ForEach& for_each = inOrder);
 
-// How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial). Lengths
-// are tile lengths: one tile period where texture coordinates are not stretched.
+// How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial).
+// Lengths are tile lengths: one tile period where texture coordinates are not stretched.
 template <class T>
 struct LocalSurface {
-  glm::mat<2, 2, T> curvature{T(0)};       // tilt of the normal per tile length, symmetric, positive if convex
+  glm::mat<2, 2, T> curvature{T(0)};  // tilt of the normal per tile length, symmetric, positive if convex
   glm::mat<2, 2, T> x_from_tangent{T(1)};  // tile periods per tile length along the tangent frame
 };
 
 // How p is found. The shaders have all but kQuality.
 enum class Lookup : uint32_t {
-  kNone,     // it is not: p = x
-  kPaper,    // the published map, blended over directions, its reference unfiltered (FBTF 3.5); 2 fetches
-  kFast,     // the atlas: depths of the nearest direction, 5 candidates; so at each of several points of a ray that bends much
+  kNone,   // it is not: p = x
+  kPaper,  // the published map, blended over directions, its reference unfiltered (FBTF 3.5); 2 fetches
+  kFast,   // the atlas: depths of the nearest direction, 5 candidates; so at each of several points of a ray
+           // that bends much
   kDefault,  // of the 3 nearest directions, 16 candidates; likewise
   kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
 };
-inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault, Lookup::kQuality};
+inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault,
+                                      Lookup::kQuality};
 // "none", "paper", "fast", "default", "quality".
 std::string_view lookupName(Lookup lookup);
 std::optional<Lookup> lookupNamed(std::string_view name);
@@ -118,18 +124,19 @@ struct VdimMaps {
 // What a lookup found. `fetches` counts texture instructions exactly as the shader issues them.
 template <class T>
 struct VdimHit {
-  glm::vec<2, T> p{0};        // of any copy: whole periods mean nothing
+  glm::vec<2, T> p{0};  // of any copy: whole periods mean nothing
   // Of all but kPaper, which knows p alone:
   glm::vec<3, T> position{0};  // tile periods, on the view ray; z below the reference surface
   glm::vec<2, T> offset{0};    // of position from x
-  T height = 0;                // of it over the tangent plane at x, tile lengths; position.z where the surface is flat
+  T height = 0;  // of it over the tangent plane at x, tile lengths; position.z where the surface is flat
   int fetches = 0;
   bool converged = false;  // the ray meets the surface there; else p is the best there was
-  bool missed = false;  // the ray goes by a convex surface; p and position are near where it comes closest
+  bool missed = false;     // the ray goes by a convex surface; p and position are near where it comes closest
 };
 
-// x in tile periods, wo unit, wo.z > 0. Without the map that the lookup reads: p = x. kQuality knows no curvature, kPaper
-// nothing of the surface. The atlas's lookups and the published one are the shaders', name for name (shaders/loden_vdim.glsl).
+// x in tile periods, wo unit, wo.z > 0. Without the map that the lookup reads: p = x. kQuality knows no
+// curvature, kPaper nothing of the surface. The atlas's lookups and the published one are the shaders', name
+// for name (shaders/loden_vdim.glsl).
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
                       const LocalSurface<T>& surface = {});

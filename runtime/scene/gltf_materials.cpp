@@ -1,6 +1,7 @@
 // Materials, and the extension LODEN_materials_flat_btf on the document and on its materials.
 #include <cmath>
 
+#include "material/system/asset_io.h"
 #include "material/system/confined_path.h"
 #include "runtime/scene/gltf_reader.h"
 
@@ -43,17 +44,20 @@ Result<SceneAsset> readAsset(const Reader& reader, const tinygltf::Value& object
 }
 
 // A finite number of a two-element array; nothing if the member is absent, an Issue if it is something else.
-Status readScale(const Reader& reader, const tinygltf::Value& object, const std::string& place, glm::vec2& scale) {
+Status readScale(const Reader& reader, const tinygltf::Value& object, const std::string& place,
+                 glm::vec2& scale) {
   if (!object.Has("scale")) return {};
   const tinygltf::Value& value = object.Get("scale");
-  const bool pair = value.IsArray() && value.ArrayLen() == 2 && value.Get(0).IsNumber() && value.Get(1).IsNumber();
+  const bool pair =
+      value.IsArray() && value.ArrayLen() == 2 && value.Get(0).IsNumber() && value.Get(1).IsNumber();
   if (pair) scale = glm::vec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
   if (!pair || !std::isfinite(scale.x + scale.y) || scale.x == 0 || scale.y == 0)
     return reader.issue(issue_id::kGltfExtension, place, "scale must be two finite numbers other than 0");
   return {};
 }
 
-Result<FlatBtfBinding> readBinding(const Reader& reader, const tinygltf::Value& object, const std::string& place) {
+Result<FlatBtfBinding> readBinding(const Reader& reader, const tinygltf::Value& object,
+                                   const std::string& place) {
   FlatBtfBinding binding;
   const std::optional<int> asset = indexMember(object, "asset");
   if (!asset || size_t(*asset) >= reader.scene.assets.size())

@@ -1,4 +1,5 @@
-// Radiance pictures (Ward 1991), read here because the packaged stb_image never returns from a scanline cut short.
+// Radiance pictures (Ward 1991), read here because the packaged stb_image never returns from a scanline cut
+// short.
 #include "runtime/scene/image_read.h"
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
+#include "material/system/asset_io.h"
 
 namespace loden::runtime {
 namespace {
@@ -20,8 +22,8 @@ Issue issueOf(int id, const std::filesystem::path& path, const std::string& text
   return {id, Severity::kError, path.string(), text};
 }
 
-// Fewer bytes than this no picture of the extents has, flat or run-length encoded: a short file cannot ask for
-// gigabytes.
+// Fewer bytes than this no picture of the extents has, flat or run-length encoded: a short file cannot ask
+// for gigabytes.
 uint64_t leastBytes(int width, int height) {
   const uint64_t w = static_cast<uint64_t>(width);
   return static_cast<uint64_t>(height) * std::min(4 * w, 4 + 8 * ((w + 126) / 127));
@@ -43,7 +45,8 @@ bool takeHeader(std::string_view& bytes, int& width, int& height) {
   bool rgbe = false;
   while (takeLine(bytes, line) && !line.empty()) rgbe = rgbe || line == "FORMAT=32-bit_rle_rgbe";
   if (!rgbe || !takeLine(bytes, line) || line.size() > 60) return false;
-  return std::sscanf(std::string(line).c_str(), "-Y %d +X %d", &height, &width) == 2 && width > 0 && height > 0;
+  return std::sscanf(std::string(line).c_str(), "-Y %d +X %d", &height, &width) == 2 && width > 0 &&
+         height > 0;
 }
 
 // One of the four channels of a scanline in runs; false where the bytes end or a run leaves the line.
@@ -64,7 +67,8 @@ bool takeRuns(std::string_view& bytes, int width, int channel, std::vector<unsig
 // A scanline of `width` RGBE pixels, run-length encoded or flat.
 bool takeLineOfPixels(std::string_view& bytes, int width, std::vector<unsigned char>& line) {
   const auto at = [&](size_t i) { return static_cast<unsigned char>(bytes[i]); };
-  const bool runs = width >= 8 && width < 32768 && bytes.size() >= 4 && at(0) == 2 && at(1) == 2 && at(2) * 256 + at(3) == width;
+  const bool runs = width >= 8 && width < 32768 && bytes.size() >= 4 && at(0) == 2 && at(1) == 2 &&
+                    at(2) * 256 + at(3) == width;
   if (runs) {
     bytes.remove_prefix(4);
     for (int channel = 0; channel < 4; ++channel)
@@ -89,13 +93,16 @@ Result<Panorama> readPanorama(const std::filesystem::path& path) {
   int width = 0, height = 0;
   if (!takeHeader(bytes, width, height))
     return issueOf(issue_id::kOption, path, "is no Radiance picture (.hdr) with its first line at the top");
-  if (width > kMaxWidth || height > kMaxHeight) return issueOf(issue_id::kLimit, path, "larger than 16384 x 8192 pixels");
-  if (bytes.size() < leastBytes(width, height)) return issueOf(issue_id::kOption, path, "is damaged: it ends early");
+  if (width > kMaxWidth || height > kMaxHeight)
+    return issueOf(issue_id::kLimit, path, "larger than 16384 x 8192 pixels");
+  if (bytes.size() < leastBytes(width, height))
+    return issueOf(issue_id::kOption, path, "is damaged: it ends early");
   Panorama panorama{width, height, {}};
   panorama.pixels.reserve(size_t(width) * size_t(height));
   std::vector<unsigned char> line(4 * size_t(width));
   for (int y = 0; y < height; ++y) {
-    if (!takeLineOfPixels(bytes, width, line)) return issueOf(issue_id::kOption, path, "is damaged in line " + std::to_string(y));
+    if (!takeLineOfPixels(bytes, width, line))
+      return issueOf(issue_id::kOption, path, "is damaged in line " + std::to_string(y));
     for (size_t x = 0; x < line.size(); x += 4) {
       const float scale = line[x + 3] ? std::ldexp(1.0f, line[x + 3] - 136) : 0.0f;
       panorama.pixels.push_back(glm::vec3(line[x], line[x + 1], line[x + 2]) * scale);

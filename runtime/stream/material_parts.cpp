@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "material/model/environment.h"
 #include "material/base/issues.h"
+#include "material/model/environment.h"
 #include "material/model/leading_part.h"
+#include "material/system/threads.h"
 #include "runtime/stream/material_data.h"
 #include "shaders/loden_shared.h"
 
@@ -17,8 +18,8 @@ float bandEnd(const Material& material, const Band& band) {
   return std::min(band.window.out_end, material.lambda_max + coarsestFade(material));
 }
 
-// Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a quarter
-// of a texel shown or more, at slopes up to 11 (85 degrees); material/model/vdim.h.
+// Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a
+// quarter of a texel shown or more, at slopes up to 11 (85 degrees); material/model/vdim.h.
 float parallaxEnd(const Material& material) {
   if (!material.geometry.identity_parameterization) return material.lambda_max + 1;
   const float texels = std::abs(material.geometry.range.z) * float(material.side) * 4 * 11;
@@ -37,33 +38,41 @@ PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
   const PaperVdim& vdim = *material.stored_vdim;
-  return {PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
+  return {
+      PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
 }
 
 // The maps, or first their tail and further on the whole.
 void addSurface(std::vector<PartPlan>& parts, const Material& material) {
   const SurfaceMaps& maps = *material.surface;
   const bool split = maps.tail_mip > 0;
-  parts.push_back({split ? PartKind::kSurfaceTail : PartKind::kSurface, 0, {}, {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)}});
+  parts.push_back({split ? PartKind::kSurfaceTail : PartKind::kSurface,
+                   0,
+                   {},
+                   {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)}});
 }
 void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
   const SurfaceMaps& maps = *material.surface;
   if (maps.tail_mip == 0) return;
   PartDesc desc{gpuBytes(maps), maps.lambda_first + float(maps.tail_mip)};
   desc.takes_over = true;
-  const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) { return part.desc.lambda_end < desc.lambda_end; });
+  const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) {
+    return part.desc.lambda_end < desc.lambda_end;
+  });
   parts.insert(finer, {PartKind::kSurface, 0, {}, desc});
 }
 
 bool readsAtlas(Lookup lookup) { return lookup == Lookup::kFast || lookup == Lookup::kDefault; }
 
-void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end, VdimAtlasSize full) {
+void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end,
+                   VdimAtlasSize full) {
   if (lookup == Lookup::kPaper) parts.push_back(storedVdimPart(material, end));
   if (readsAtlas(lookup)) parts.push_back(geometryPart(material, end, full));
 }
 
 void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAtlasSize full) {
-  if (readsAtlas(lookup) && vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas)) parts.push_back(atlasPart(end, full));
+  if (readsAtlas(lookup) && vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas))
+    parts.push_back(atlasPart(end, full));
 }
 
 void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
@@ -84,11 +93,14 @@ std::shared_ptr<const KeptTexels> keeping(Texels KeptTexels::*member, Texels tex
   return kept;
 }
 
-Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Share share, const KeptTexels* kept) {
+Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Share share,
+                                const KeptTexels* kept) {
   Result<Band> band = file.loadBand(index, share, kept ? &kept->lead : nullptr);
   if (!band) return band.issue();
-  const Sampling weights = band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
-  const Sampling table = band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
+  const Sampling weights =
+      band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
+  const Sampling table =
+      band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
   Texture environment = environmentTable(file.skeleton(), *band);
   LoadedPart part;
   if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::lead, *band);
@@ -96,8 +108,10 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Sha
   const int bands = static_cast<int>(file.skeleton().bands.size());
   part.textures.push_back({LODEN_UNIT_TABLE(bands) + index, table, false, "table", std::move(band->table)});
   if (band->light_quads > 0)
-    part.textures.push_back({LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
-  part.textures.push_back({LODEN_UNIT_ENVIRONMENT(bands) + index, Sampling::kClampLinear, false, "environment", std::move(environment)});
+    part.textures.push_back(
+        {LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
+  part.textures.push_back({LODEN_UNIT_ENVIRONMENT(bands) + index, Sampling::kClampLinear, false,
+                           "environment", std::move(environment)});
   return part;
 }
 
@@ -105,21 +119,25 @@ PartTexture depthTexture(Texture depth) {
   return {LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(depth)};
 }
 
-Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads, const std::stop_token& stop) {
+Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads,
+                                    const std::stop_token& stop) {
   Result<GeometryImage> image = file.loadGeometry();
   if (!image) return image.issue();
   if (Status status = checkVdimWork(*image, size); !status) return status.issue();
-  VdimAtlas atlas = buildVdimAtlas(*image, size, threads, stop);
+  VdimAtlas atlas = buildVdimAtlas(*image, size, onThreads(threads, stop));
   LoadedPart part;
-  part.textures.push_back({LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
+  part.textures.push_back(
+      {LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
-    part.textures.push_back({LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
+    part.textures.push_back(
+        {LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
   if (size == kFirstVdimAtlas) part.kept = keeping(&KeptTexels::geometry, std::move(*image));
   return part;
 }
 
-Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept, int threads, const std::stop_token& stop) {
+Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept,
+                                 int threads, const std::stop_token& stop) {
   GeometryImage read;
   if (!kept) {
     Result<GeometryImage> image = file.loadGeometry();
@@ -129,7 +147,7 @@ Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, cons
   const GeometryImage& image = kept ? kept->geometry : read;
   if (Status status = checkVdimWork(image, size); !status) return status.issue();
   LoadedPart part;
-  part.textures.push_back(depthTexture(buildVdimDepth(image, size, threads, stop)));
+  part.textures.push_back(depthTexture(buildVdimDepth(image, size, onThreads(threads, stop))));
   return part;
 }
 
@@ -137,8 +155,10 @@ Result<LoadedPart> loadStoredVdimPart(const AssetFile& file) {
   Result<PaperVdim> vdim = file.loadStoredVdim();
   if (!vdim) return vdim.issue();
   LoadedPart part;
-  part.textures.push_back({LODEN_UNIT_PAPER_REFERENCE, Sampling::kRepeatNearest, false, "VDIM reference", std::move(vdim->reference)});
-  part.textures.push_back({LODEN_UNIT_PAPER_PACKED, Sampling::kRepeatLinear, false, "VDIM packed", std::move(vdim->packed)});
+  part.textures.push_back({LODEN_UNIT_PAPER_REFERENCE, Sampling::kRepeatNearest, false, "VDIM reference",
+                           std::move(vdim->reference)});
+  part.textures.push_back(
+      {LODEN_UNIT_PAPER_PACKED, Sampling::kRepeatLinear, false, "VDIM packed", std::move(vdim->packed)});
   return part;
 }
 
@@ -147,9 +167,12 @@ Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share
   if (!maps) return maps.issue();
   LoadedPart part;
   if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::tail, *maps);
-  part.textures.push_back({LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
-  part.textures.push_back({LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
-  part.textures.push_back({LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});
+  part.textures.push_back(
+      {LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
+  part.textures.push_back(
+      {LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
+  part.textures.push_back(
+      {LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});
   return part;
 }
 
@@ -175,13 +198,13 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
       add("a band table", material.bands[size_t(part.band)].table);
-      if (material.bands[size_t(part.band)].light_quads > 0) add("a light table", material.bands[size_t(part.band)].light_table);
+      if (material.bands[size_t(part.band)].light_quads > 0)
+        add("a light table", material.bands[size_t(part.band)].light_table);
       return;
-    case PartKind::kGeometry:
-      add("a geometry image", material.geometry.texels);
-      [[fallthrough]];
+    case PartKind::kGeometry: add("a geometry image", material.geometry.texels); [[fallthrough]];
     case PartKind::kAtlas:
-      all.push_back({"a VDIM atlas", TextureShape::kArray2D,
+      all.push_back({"a VDIM atlas",
+                     TextureShape::kArray2D,
                      {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
       return;
     case PartKind::kStoredVdim:
@@ -196,7 +219,8 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
 
 }  // namespace
 
-std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant, VdimAtlasSize full_atlas) {
+std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant,
+                                VdimAtlasSize full_atlas) {
   std::vector<PartPlan> parts;
   if (variant.kind == MaterialVariant::Kind::kSurface) {
     const float end = parallaxEnd(material);
@@ -237,7 +261,8 @@ PartKind beginsWith(PartKind kind) {
   return kind == PartKind::kSurface ? PartKind::kSurfaceTail : kind;
 }
 
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads, const std::stop_token& stop) {
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads,
+                            const std::stop_token& stop) {
   using enum AssetFile::Share;
   switch (plan.kind) {
     case PartKind::kBandLead: return loadBandPart(file, plan.band, kFirst, nullptr);

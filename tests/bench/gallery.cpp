@@ -9,6 +9,7 @@
 #include "importer/cook/cook.h"
 #include "importer/study/study.h"
 #include "material/asset/asset.h"
+#include "material/system/asset_io.h"
 #include "runtime/scene/mesh_analytic.h"
 #include "tests/bench/bench_support.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 using namespace runtime;
 
-constexpr float kSpacing = 1.2f;  // metres
+constexpr float kSpacing = 1.2f;              // metres
 constexpr float kPeriodsPerLine = 1.0f / 80;  // of a tile across a panel, per pixel of the picture's height
 
 std::vector<Material> readAll(const std::filesystem::path& folder) {
@@ -145,7 +146,8 @@ Stage makeStage(const Device& device, const Scene& scene, const MaterialSystemOp
                 std::shared_ptr<ShaderLibrary> shaders) {
   Stage stage;
   stage.materials = require(MaterialSystem::create(device, options));
-  stage.shaders = shaders ? std::move(shaders) : std::make_shared<ShaderLibrary>(device, ShaderLibraryOptions{});
+  stage.shaders =
+      shaders ? std::move(shaders) : std::make_shared<ShaderLibrary>(device, ShaderLibraryOptions{});
   stage.renderer = require(FrameRenderer::create(device, *stage.shaders, *stage.materials, scene));
   return stage;
 }

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "importer/cook/cook.h"
+#include "importer/btf/finite_source.h"
 #include "importer/btf/measured/bonn_folder.h"
 #include "importer/btf/measured/btf_color.h"
 #include "importer/btf/measured/btf_file.h"
-#include "importer/base/repair_log.h"
+#include "importer/cook/cook.h"
 #include "material/base/issues.h"
 #include "tests/unit/btf_writer.h"
 
@@ -75,9 +75,14 @@ TEST(BtfFile, EveryKind_ComesBackWithinItsPrecision) {
   const MemoryBtf btf = makeBtf(3, 4, 7);
   BtfWriter writer(btf);
   const float half = 1.0f / 2048, single = 1e-6f;  // half has 11 bits below 1
-  for (const auto& [bytes, tolerance] : {std::pair{writer.dfmf(2), half}, {writer.dfmf(4), single}, {writer.dfmf(8), single},
-                                         {writer.fmf(2), half}, {writer.fmf(4), single}, {writer.pvf(4), single},
-                                         {writer.bdi(4), half}, {writer.bdi(3), half}}) {
+  for (const auto& [bytes, tolerance] : {std::pair{writer.dfmf(2), half},
+                                         {writer.dfmf(4), single},
+                                         {writer.dfmf(8), single},
+                                         {writer.fmf(2), half},
+                                         {writer.fmf(4), single},
+                                         {writer.pvf(4), single},
+                                         {writer.bdi(4), half},
+                                         {writer.bdi(3), half}}) {
     const auto source = openBytes(folder, bytes);
     ASSERT_TRUE(source.ok()) << source.issue().text;
     expectSame(**source, btf, tolerance);
@@ -131,7 +136,8 @@ TEST(BtfFile, NotANumber_IsRefusedByTheCookWithItsPlaceOrRepaired) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.issue().id, issue_id::kNonFinite);
   EXPECT_NE(refused.issue().text.find("1 values"), std::string::npos) << refused.issue().text;
-  EXPECT_NE(refused.issue().text.find("view 0, the first at light 1, texel (0, 0)"), std::string::npos) << refused.issue().text;
+  EXPECT_NE(refused.issue().text.find("view 0, the first at light 1, texel (0, 0)"), std::string::npos)
+      << refused.issue().text;
   const auto log = std::make_shared<RepairLog>();
   EXPECT_TRUE(cook(*repairedSource(std::move(*source), log), options).ok());
   EXPECT_EQ(log->count(), 1u);
@@ -166,7 +172,8 @@ class MemorySource : public MeasuredSource {
   std::string format() const override { return "memory"; }
   Result<std::vector<glm::vec3>> view(int view) const override {
     const size_t count = btf_.texels() * btf_.lights.size();
-    return std::vector<glm::vec3>(btf_.values.begin() + view * count, btf_.values.begin() + (view + 1) * count);
+    return std::vector<glm::vec3>(btf_.values.begin() + view * count,
+                                  btf_.values.begin() + (view + 1) * count);
   }
 
  private:
@@ -178,8 +185,11 @@ TEST(BonnFolder, WrittenAndRead_IsTheSameWithinTheEncoding) {
   const TemporaryFolder folder;
   const MemoryBtf btf = makeBtf(8, 6, 7);
   const MemorySource source(btf);
-  // JPEG at quality 100 on a noisy 8 x 6 picture: a few codes of 255 in sRGB; RGBE: 1/256 of the largest channel.
-  for (const auto& [encoding, name, tolerance] : {std::tuple{BonnEncoding::kExr, "exr", 1e-6f}, {BonnEncoding::kHdr, "hdr", 1.0f / 200}, {BonnEncoding::kJpeg, "jpg", 0.06f}}) {
+  // JPEG at quality 100 on a noisy 8 x 6 picture: a few codes of 255 in sRGB; RGBE: 1/256 of the largest
+  // channel.
+  for (const auto& [encoding, name, tolerance] : {std::tuple{BonnEncoding::kExr, "exr", 1e-6f},
+                                                  {BonnEncoding::kHdr, "hdr", 1.0f / 200},
+                                                  {BonnEncoding::kJpeg, "jpg", 0.06f}}) {
     ASSERT_TRUE(writeBonnFolder(source, folder / name, encoding, 2, true).ok());
     const auto read = openMeasured(folder / name);
     ASSERT_TRUE(read.ok()) << read.issue().text;
@@ -189,11 +199,13 @@ TEST(BonnFolder, WrittenAndRead_IsTheSameWithinTheEncoding) {
 
 TEST(BonnFolder, MissingImage_IsNamed) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(writeBonnFolder(MemorySource(makeBtf(2, 2, 7)), folder / "set", BonnEncoding::kExr, 2, true).ok());
+  ASSERT_TRUE(
+      writeBonnFolder(MemorySource(makeBtf(2, 2, 7)), folder / "set", BonnEncoding::kExr, 2, true).ok());
   fs::remove(folder / "set/tv015_pv060/00015 tl015 pl000 tv015 pv060.exr");
   const auto read = openMeasured(folder / "set");
   ASSERT_FALSE(read.ok());
-  EXPECT_NE(read.issue().text.find("lacks 1 images, first tl015 pl000 tv015 pv060"), std::string::npos) << read.issue().text;
+  EXPECT_NE(read.issue().text.find("lacks 1 images, first tl015 pl000 tv015 pv060"), std::string::npos)
+      << read.issue().text;
 }
 
 TEST(BonnFolder, Names_AreReadByTheirKeys) {
@@ -213,7 +225,8 @@ TEST(BonnFolder, Names_AreReadByTheirKeys) {
 TEST(Radiance, AtriumOrder_IsRowsBottomFirst) {
   const TemporaryFolder folder;
   const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
-  const std::string pixels{'\x80', 0, 0, '\x81', 0, '\x80', 0, '\x81', 0, 0, '\x80', '\x81', '\x80', '\x80', '\x80', '\x81'};
+  const std::string pixels{'\x80', 0, 0,      '\x81', 0,      '\x80', 0,      '\x81',
+                           0,      0, '\x80', '\x81', '\x80', '\x80', '\x80', '\x81'};
   std::ofstream(folder / "a.hdr", std::ios::binary) << header << "+X 2 -Y 2\n" << pixels;
   std::ofstream(folder / "b.hdr", std::ios::binary) << header << "-Y 2 +X 2\n" << pixels;
   std::ofstream(folder / "c.hdr", std::ios::binary) << header << "+Y 2 -X 2\n" << pixels;
@@ -253,7 +266,8 @@ TEST(Reciprocity, WithCosine_AddsItOnceAndSaysWhenTheFlagIsWrong) {
   const MemoryBtf with = reciprocalBtf(true);
   for (const bool cosine : {false, true}) {
     std::string note;
-    const auto source = withCosine(std::make_unique<MemorySource>(reciprocalBtf(cosine)), CosineFlag::kNotIncluded, 2, note);
+    const auto source =
+        withCosine(std::make_unique<MemorySource>(reciprocalBtf(cosine)), CosineFlag::kNotIncluded, 2, note);
     ASSERT_TRUE(source.ok());
     expectSame(**source, with, 1e-6f);
     EXPECT_EQ(note.find("flag says otherwise") != std::string::npos, cosine) << note;

@@ -18,6 +18,7 @@
 #include "material/asset/asset_chunks.h"
 #include "material/asset/asset_header.h"
 #include "material/base/issues.h"
+#include "material/system/asset_io.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {
@@ -45,9 +46,11 @@ std::vector<RawChunk> rawChunks(const Material& material) {
       const auto text = std::as_bytes(std::span(material.meta_json));
       chunk = {kMeta, {text.begin(), text.end()}, 0};
     }
-    if (part.share != Part::Share::kWhole) chunk.raw = gatherTexels(material, part);
+    if (part.share != Part::Share::kWhole)
+      chunk.raw = gatherTexels(material, part);
     else
-      for (const Texture* t : partTextures(material, part)) chunk.raw.insert(chunk.raw.end(), t->data.begin(), t->data.end());
+      for (const Texture* t : partTextures(material, part))
+        chunk.raw.insert(chunk.raw.end(), t->data.begin(), t->data.end());
     chunks.push_back(std::move(chunk));
   }
   return chunks;
@@ -109,7 +112,8 @@ void expectForgedTableRejected(int id, const std::function<void(Chunks&)>& forge
 }
 
 TEST(AssetIssues, ForgedFilesAreWhatTheWriterWritesIfNothingIsForged) {
-  for (const Material& material : {test::fusedMaterial(), test::splitFusedMaterial(), test::splitSurfaceMaterial()})
+  for (const Material& material :
+       {test::fusedMaterial(), test::splitFusedMaterial(), test::splitSurfaceMaterial()})
     EXPECT_TRUE(assemble(rawChunks(material)) == *serializeAsset(material));
 }
 
@@ -224,16 +228,15 @@ TEST(AssetIssues, Limit) {
 
 TEST(AssetIssues, HeaderCountsAreCheckedBeforeTheyAreBelieved) {
   // Each 32-bit field in turn becomes huge: an issue, quickly, and no allocation to match.
-  for (const Material& material : {test::lodMaterial(), test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
+  for (const Material& material :
+       {test::lodMaterial(), test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
     const size_t head = encodeHeader(material).size();
     for (size_t at = 0; at + 4 <= head; at += 4) {
       std::vector<RawChunk> chunks = rawChunks(material);
       std::memset(chunks[0].raw.data() + at, 0x7f, 4);
       const Bytes file = assemble(chunks);
       const Result<Material> read = parseAsset(file, "test");
-      if (read.ok()) {
-        EXPECT_LT(validateAsset(file, "test").size(), 1u);
-      }
+      if (read.ok()) { EXPECT_LT(validateAsset(file, "test").size(), 1u); }
     }
   }
 }
@@ -263,7 +266,8 @@ TEST(AssetIssues, SplitPartsOfTheWrongSize) {
       expectRejected(assemble(chunks), issue_id::kMapSize);
     }
     std::vector<RawChunk> chunks = rawChunks(material);
-    chunks.erase(std::find_if(chunks.begin(), chunks.end(), [](const RawChunk& c) { return c.type == kBand || c.type == kSurf; }));
+    chunks.erase(std::find_if(chunks.begin(), chunks.end(),
+                              [](const RawChunk& c) { return c.type == kBand || c.type == kSurf; }));
     expectRejected(assemble(chunks), issue_id::kMissingChunk);
   }
 }
@@ -408,23 +412,28 @@ TEST(AssetIssues, MapField) {
                      });
 }
 
-// A small file that would keep a loader busy for hours: a surface that is a wall in every patch, or all in one place.
+// A small file that would keep a loader busy for hours: a surface that is a wall in every patch, or all in
+// one place.
 TEST(AssetIssues, SurfaceTornEverywhere) {
   const auto surface = [](int side, bool identity, const std::function<glm::dvec3(int, int)>& position) {
     std::vector<glm::dvec3> positions;
     for (int t = 0; t < side * side; ++t) positions.push_back(position(t % side, t / side));
     Material material = test::surfaceMaterial();
-    material.geometry = encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), identity);
+    material.geometry =
+        encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), identity);
     material.atlas = {};
     return material;
   };
   const auto checkered = [&](int side, float depth) {
-    return surface(side, true, [=](int i, int j) { return glm::dvec3((i + 0.5) / side, (j + 0.5) / side, (i + j) % 2 ? -depth : 0); });
+    return surface(side, true, [=](int i, int j) {
+      return glm::dvec3((i + 0.5) / side, (j + 0.5) / side, (i + j) % 2 ? -depth : 0);
+    });
   };
   expectBothReject(checkered(256, 4), issue_id::kMapField);
   EXPECT_TRUE(serializeAsset(checkered(256, 0.05f)).ok()) << "a rough surface";
   const auto gathered = [&](int side) {
-    return surface(side, false, [=](int i, int j) { return glm::dvec3(0.5 + 1e-5 * i, 0.5 + 1e-5 * j, -0.01); });
+    return surface(side, false,
+                   [=](int i, int j) { return glm::dvec3(0.5 + 1e-5 * i, 0.5 + 1e-5 * j, -0.01); });
   };
   expectBothReject(gathered(520), issue_id::kMapField);
   EXPECT_TRUE(serializeAsset(gathered(64)).ok());
@@ -456,19 +465,21 @@ TEST(AssetIssues, NonFiniteTexels) {
 
 // --- what the fuzzers begin with ---
 
-// A seed that the reader refuses at the door teaches a fuzzer nothing. After a change of the format, write them anew:
+// A seed that the reader refuses at the door teaches a fuzzer nothing. After a change of the format, write
+// them anew:
 //   LODEN_WRITE_SEEDS=1 unit_material --gtest_filter='FuzzSeeds.*'
 TEST(FuzzSeeds, AreAssetsOfThisFormat) {
   const std::string folder = std::string(LODEN_TESTS_DIR) + "/fuzz/corpus/asset_fuzz/";
-  for (const Material& material : {test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(), test::splitSurfaceMaterial(),
-                                   test::splitFusedMaterial()})
+  for (const Material& material : {test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(),
+                                   test::splitSurfaceMaterial(), test::splitFusedMaterial()})
     for (const bool stored : {false, true}) {
       std::string name = material.name + (stored ? " stored" : "") + ".loden";
       std::replace(name.begin(), name.end(), ' ', '_');
       SCOPED_TRACE(name);
       if (std::getenv("LODEN_WRITE_SEEDS") != nullptr) {
         const Bytes bytes = assemble(rawChunks(material), {}, stored);
-        std::ofstream(folder + name, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+        std::ofstream(folder + name, std::ios::binary)
+            .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
       }
       const Result<Material> seed = readAsset(folder + name);
       ASSERT_TRUE(seed.ok()) << seed.issue().text;
@@ -489,16 +500,26 @@ TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
   }
   using Limits = AssetLimits;
   const std::map<std::string, uint64_t> coded = {
-      {"kMaxSide", Limits::kMaxSide},           {"kMaxBands", Limits::kMaxBands},
-      {"kMaxQuads", Limits::kMaxQuads},         {"kMaxDirections", Limits::kMaxDirections},
-      {"kMaxGridSide", Limits::kMaxGridSide},   {"kMaxLambda", Limits::kMaxLambda},
-      {"kMaxGeometrySide", Limits::kMaxGeometrySide}, {"kMaxTilePeriods", Limits::kMaxTilePeriods},
-      {"kMaxAtlasTexels", Limits::kMaxAtlasTexels}, {"kMaxAtlasDirections", Limits::kMaxAtlasDirections},
-      {"kMaxAtlasWork", Limits::kMaxAtlasWork}, {"kMaxAtlasColumn", Limits::kMaxAtlasColumn},
-      {"kMaxNameBytes", Limits::kMaxNameBytes}, {"kMaxHeadBytes", Limits::kMaxHeadBytes},
-      {"kMaxMetaBytes", Limits::kMaxMetaBytes}, {"kMaxChunkBytes", Limits::kMaxChunkBytes},
-      {"kMaxRatio", Limits::kMaxRatio},         {"kTableEnd", Limits::kTableEnd},
-      {"kMaxChunks", Limits::kMaxChunks},       {"kAlignment", Limits::kAlignment},
+      {"kMaxSide", Limits::kMaxSide},
+      {"kMaxBands", Limits::kMaxBands},
+      {"kMaxQuads", Limits::kMaxQuads},
+      {"kMaxDirections", Limits::kMaxDirections},
+      {"kMaxGridSide", Limits::kMaxGridSide},
+      {"kMaxLambda", Limits::kMaxLambda},
+      {"kMaxGeometrySide", Limits::kMaxGeometrySide},
+      {"kMaxTilePeriods", Limits::kMaxTilePeriods},
+      {"kMaxAtlasTexels", Limits::kMaxAtlasTexels},
+      {"kMaxAtlasDirections", Limits::kMaxAtlasDirections},
+      {"kMaxAtlasWork", Limits::kMaxAtlasWork},
+      {"kMaxAtlasColumn", Limits::kMaxAtlasColumn},
+      {"kMaxNameBytes", Limits::kMaxNameBytes},
+      {"kMaxHeadBytes", Limits::kMaxHeadBytes},
+      {"kMaxMetaBytes", Limits::kMaxMetaBytes},
+      {"kMaxChunkBytes", Limits::kMaxChunkBytes},
+      {"kMaxRatio", Limits::kMaxRatio},
+      {"kTableEnd", Limits::kTableEnd},
+      {"kMaxChunks", Limits::kMaxChunks},
+      {"kAlignment", Limits::kAlignment},
   };
   EXPECT_EQ(documented, coded);
 }

@@ -9,8 +9,9 @@
 #include <fstream>
 
 #include "material/asset/asset.h"
-#include "material/system/atomic_file.h"
 #include "material/base/issues.h"
+#include "material/system/asset_io.h"
+#include "material/system/atomic_file.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "material/asset/asset.h"
+#include "material/system/asset_io.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {
@@ -30,8 +31,10 @@ class Listing {
     if (material.stored_vdim) listTexels("VDIM", material.stored_vdim->reference);
     if (material.stored_vdim) listTexels("VDIM", material.stored_vdim->packed);
     while (band != material.bands.rend()) listTexels(*band++);
-    if (material.surface && material.surface->tail_mip > 0) listSplit(*material.surface);
-    else if (material.surface) listMaps(*material.surface);
+    if (material.surface && material.surface->tail_mip > 0)
+      listSplit(*material.surface);
+    else if (material.surface)
+      listMaps(*material.surface);
     if (!material.meta_json.empty()) line("META", hash(material.meta_json.data(), material.meta_json.size()));
   }
 
@@ -112,7 +115,8 @@ class Listing {
       const PaperVdim& vdim = *m.stored_vdim;
       line("vdim", vdim.side, vdim.zeniths, vdim.azimuths, bits({vdim.range.x, vdim.range.y}));
     }
-    if (m.surface) line("surface", bits({m.surface->specular_scale, m.surface->lambda_first}), m.surface->tail_mip);
+    if (m.surface)
+      line("surface", bits({m.surface->specular_scale, m.surface->lambda_first}), m.surface->tail_mip);
   }
 
   void listTexels(const char* chunk, const Texture& t) {
@@ -159,7 +163,8 @@ class Listing {
     for (const bool tail : {true, false})
       for (const Texture* map : {&maps.normal, &maps.diffuse, &maps.specular}) {
         std::vector<std::byte> share;
-        for (int mip = tail ? maps.tail_mip : 0; mip < (tail ? map->mips : maps.tail_mip); ++mip) appendLayers(*map, mip, 0, 1, share);
+        for (int mip = tail ? maps.tail_mip : 0; mip < (tail ? map->mips : maps.tail_mip); ++mip)
+          appendLayers(*map, mip, 0, 1, share);
         listShare("SURF", "map", share);
       }
   }
@@ -185,8 +190,8 @@ TEST(IndependentReader, FindsWhatTheWriterWasGiven) {
   const std::string script = std::string(LODEN_TESTS_DIR) + "/unit/independent_reader/read_asset.py";
   const auto path =
       std::filesystem::temp_directory_path() / ("loden-reader-" + std::to_string(getpid()) + ".loden");
-  for (const auto make : {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::lightFactorMaterial, test::splitSurfaceMaterial,
-                          test::splitFusedMaterial}) {
+  for (const auto make : {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial,
+                          test::lightFactorMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial}) {
     const Material material = make();
     SCOPED_TRACE(material.name);
     ASSERT_TRUE(writeAsset(material, path).ok());

@@ -1,8 +1,6 @@
 // Geometry image, its tracer and the indirection lookups on surfaces with known answers: a tilted-wave height
 // field, and waves that lean over until they overhang.
 
-#include "material/model/vdim.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,9 @@
 #include <optional>
 #include <random>
 #include <thread>
+
+#include "material/model/vdim.h"
+#include "material/system/threads.h"
 
 namespace loden {
 namespace {
@@ -26,7 +27,8 @@ glm::dvec3 wavePoint(glm::dvec2 p, double height, double lean) {
 GeometryImage waveImage(int side, double height, double lean) {
   std::vector<glm::dvec3> points;
   for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i) points.push_back(wavePoint({(i + 0.5) / side, (j + 0.5) / side}, height, lean));
+    for (int i = 0; i < side; ++i)
+      points.push_back(wavePoint({(i + 0.5) / side, (j + 0.5) / side}, height, lean));
   return encodeGeometryImage(side, points, std::vector<uint16_t>(points.size(), 1), lean == 0);
 }
 
@@ -39,9 +41,11 @@ std::vector<View> randomViews(int count, double theta_max_degrees) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<View> views;
   for (int k = 0; k < count; ++k) {
-    const double z = 1 - unit(random) * (1 - std::cos(theta_max_degrees * kPi / 180)), phi = kTau * unit(random);
+    const double z = 1 - unit(random) * (1 - std::cos(theta_max_degrees * kPi / 180)),
+                 phi = kTau * unit(random);
     const double sine = std::sqrt(1 - z * z);
-    views.push_back({{4 * unit(random) - 2, 4 * unit(random) - 2}, {sine * std::cos(phi), sine * std::sin(phi), z}});
+    views.push_back(
+        {{4 * unit(random) - 2, 4 * unit(random) - 2}, {sine * std::cos(phi), sine * std::sin(phi), z}});
   }
   return views;
 }
@@ -81,7 +85,8 @@ TEST(PackedGeometry, KeepsPositionsWithinItsSteps) {
   const PackedGeometry packed = packGeometry(image);
   for (int i = -70; i < 140; i += 13)
     for (int j = -70; j < 140; j += 17) {
-      const glm::dvec3 exact = fetchPatch<double>(image, i, j).p10, near = fetchPatch<double>(packed, i, j).p10;
+      const glm::dvec3 exact = fetchPatch<double>(image, i, j).p10,
+                       near = fetchPatch<double>(packed, i, j).p10;
       EXPECT_NEAR(near.x, exact.x, image.range.x / 2044 + 1e-9);  // half a step
       EXPECT_NEAR(near.y, exact.y, image.range.y / 2044 + 1e-9);
       EXPECT_NEAR(near.z, exact.z, image.range.z / 4094 + 1e-9);
@@ -121,7 +126,8 @@ TEST(GeometryTracer, MeetsAHeightFieldWhereItsEquationSays) {
     const auto hit = tracer.traceView(view.x, view.wo);
     ASSERT_TRUE(hit);
     const double expected = wavePoint(glm::dvec2(hit->position), height, 0).z;
-    EXPECT_NEAR(hit->position.z, expected, 2e-4);  // chords of 256 segments over two waves: h (pi / 128)^2 / 2
+    EXPECT_NEAR(hit->position.z, expected,
+                2e-4);  // chords of 256 segments over two waves: h (pi / 128)^2 / 2
     // Nothing above the surface was passed: march the ray at a fine step.
     for (double z = 0; z > hit->position.z + 1e-3; z -= 1e-3) {
       const glm::dvec2 at = view.x + glm::dvec2(view.wo) / view.wo.z * z;
@@ -144,7 +150,8 @@ double waveError(const GeometryTracer& tracer, double height) {
 
 TEST(GeometryTracer, CubicIsNearerToASmoothSurface) {
   const GeometryImage image = waveImage(32, 0.2, 0);
-  const double linear = waveError(GeometryTracer(image), 0.2), cubic = waveError(GeometryTracer(image, Interpolation::kCubic), 0.2);
+  const double linear = waveError(GeometryTracer(image), 0.2),
+               cubic = waveError(GeometryTracer(image, Interpolation::kCubic), 0.2);
   EXPECT_LE(cubic, linear / 3) << linear;  // measured a fifth
 }
 
@@ -165,10 +172,13 @@ TEST(GeometryTracer, CubicDoesNotReachAcrossCharts) {
   EXPECT_FALSE(tracer.traceView({0.5, 0.3}, {0, 0, 1}));
 }
 
-// Curved charts side by side. Inside a chart, where patches at its border meet others, no ray may fall through.
+// Curved charts side by side. Inside a chart, where patches at its border meet others, no ray may fall
+// through.
 TEST(GeometryTracer, CubicHasNoSlitsInsideACurvedChart) {
   constexpr int kSide = 16;
-  const auto height = [](glm::dvec2 p) { return -0.2 - 0.15 * std::sin(kTau * 2 * p.x) * std::sin(kTau * 2 * p.y); };
+  const auto height = [](glm::dvec2 p) {
+    return -0.2 - 0.15 * std::sin(kTau * 2 * p.x) * std::sin(kTau * 2 * p.y);
+  };
   std::vector<glm::dvec3> points;
   std::vector<uint16_t> charts;
   for (int t = 0; t < kSide * kSide; ++t) {
@@ -180,7 +190,8 @@ TEST(GeometryTracer, CubicHasNoSlitsInsideACurvedChart) {
   int inside = 0;
   for (const View& view : randomViews(20000, 60)) {
     const glm::dvec2 slope = glm::dvec2(view.wo) / view.wo.z;
-    // Where it meets the waves, raised and lowered by more than 16 texels have them wrong; rays that graze are left out.
+    // Where it meets the waves, raised and lowered by more than 16 texels have them wrong; rays that graze
+    // are left out.
     const auto meets = [&](double raised) {
       double z = 0;
       while (z > height(view.x + slope * z) + raised) z -= 1e-3;
@@ -201,7 +212,8 @@ TEST(GeometryTracer, CubicHasNoSlitsInsideACurvedChart) {
 TEST(GeometryTracer, IsPeriodic) {
   const GeometryTracer tracer(waveImage(64, 0.15, 0.2));
   for (const View& view : randomViews(300, 85)) {
-    const auto a = tracer.traceView(view.x, view.wo), b = tracer.traceView(view.x + glm::dvec2(-1, 3), view.wo);
+    const auto a = tracer.traceView(view.x, view.wo),
+               b = tracer.traceView(view.x + glm::dvec2(-1, 3), view.wo);
     ASSERT_TRUE(a && b);
     EXPECT_NEAR(a->p.x - 1, b->p.x, 1e-7);
     EXPECT_NEAR(a->p.y + 3, b->p.y, 1e-7);
@@ -285,7 +297,8 @@ TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
     EXPECT_EQ(maps.serve(lookup), lookup != Lookup::kNone);
     double fetches = 0, off = 0;
     for (const View& view : views) {
-      const VdimHit<double> hit = vdimLookup(maps, lookup, view.x, view.wo), none = vdimLookup({}, lookup, view.x, view.wo);
+      const VdimHit<double> hit = vdimLookup(maps, lookup, view.x, view.wo),
+                            none = vdimLookup({}, lookup, view.x, view.wo);
       EXPECT_EQ(none.p, view.x);
       EXPECT_EQ(none.fetches, 0);
       fetches += hit.fetches;
@@ -294,7 +307,8 @@ TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
       off += glm::length(hit.p - truth->p);
       if (lookup != Lookup::kQuality) continue;
       EXPECT_TRUE(hit.converged);
-      EXPECT_LE(glm::length(hit.position - wavePoint(hit.p, 0.15, GetParam())), 1e-4);  // the wave itself: 16 bits of it, and a cubic between
+      EXPECT_LE(glm::length(hit.position - wavePoint(hit.p, 0.15, GetParam())),
+                1e-4);  // the wave itself: 16 bits of it, and a cubic between
     }
     const double n = double(views.size()), texel = 1.0 / 64;
     SCOPED_TRACE(lookupName(lookup));
@@ -306,9 +320,7 @@ TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
         EXPECT_LE(fetches, 6 * n);
         EXPECT_LE(off / n, 0.9 * texel);
         break;
-      case Lookup::kDefault:
-        EXPECT_LE(fetches, 12 * n);
-        EXPECT_LE(off / n, 0.4 * texel);
+      case Lookup::kDefault: EXPECT_LE(fetches, 12 * n); EXPECT_LE(off / n, 0.4 * texel);
     }
   }
   EXPECT_EQ(lookupNamed("best"), std::nullopt);
@@ -327,8 +339,8 @@ TEST(Vdim, FlatTileIsTheIdentity) {
   }
 }
 
-// Codes of a 16 x 16 texel, 9 x 9 direction atlas of depths that are more than one of 255 away from the ray's first hit; every ray must
-// have one.
+// Codes of a 16 x 16 texel, 9 x 9 direction atlas of depths that are more than one of 255 away from the ray's
+// first hit; every ray must have one.
 int wrongDepths(const GeometryImage& image, const Texture& depth, double range_z) {
   const GeometryTracer tracer(image);
   const auto* codes = reinterpret_cast<const uint8_t*>(depth.data.data());
@@ -353,19 +365,23 @@ TEST(Vdim, AtlasHoldsTheDepthsOfFirstHits) {
   }
 }
 
-// Slivers of a wall, seen from the side many periods long, are drawn row by row; nothing of them may be left out.
+// Slivers of a wall, seen from the side many periods long, are drawn row by row; nothing of them may be left
+// out.
 TEST(Vdim, AtlasHoldsTheDepthsOfDeepWalls) {
   constexpr int kSide = 32;
   std::vector<glm::dvec3> positions;
   for (int t = 0; t < kSide * kSide; ++t)
-    positions.emplace_back((t % kSide + 0.5) / kSide, (t / kSide + 0.5) / kSide, (t % kSide + t / kSide / 2) % kSide < 16 ? 0 : -1.5);
-  const GeometryImage image = encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
-  EXPECT_LE(wrongDepths(image, buildVdimDepth(image, {16, 9}), double(image.range.z)), 81 * 256 / 500) << "rays that graze an edge";
+    positions.emplace_back((t % kSide + 0.5) / kSide, (t / kSide + 0.5) / kSide,
+                           (t % kSide + t / kSide / 2) % kSide < 16 ? 0 : -1.5);
+  const GeometryImage image =
+      encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  EXPECT_LE(wrongDepths(image, buildVdimDepth(image, {16, 9}), double(image.range.z)), 81 * 256 / 500)
+      << "rays that graze an edge";
 }
 
 TEST(Vdim, AtlasDoesNotDependOnThreads) {
   const GeometryImage image = waveImage(64, 0.15, 0.35);
-  const VdimAtlas one = buildVdimAtlas(image, {16, 8}, 1), many = buildVdimAtlas(image, {16, 8}, 7);
+  const VdimAtlas one = buildVdimAtlas(image, {16, 8}), many = buildVdimAtlas(image, {16, 8}, onThreads(7));
   EXPECT_EQ(one.depth.data, many.depth.data);
   EXPECT_EQ(one.volume.data, many.volume.data);
 }
@@ -378,7 +394,7 @@ TEST(Vdim, BuildingStopsBetweenDirections) {
   std::latch begun(1);
   std::thread builder([&] {
     begun.count_down();
-    depth = buildVdimDepth(image, kLarge, 2, stop.get_token());
+    depth = buildVdimDepth(image, kLarge, onThreads(2, stop.get_token()));
   });
   begun.wait();
   stop.request_stop();
@@ -403,8 +419,9 @@ TEST(Vdim, HugeCoordinatesKeepTheirFraction) {
 TEST(Vdim, GrazingAndDegenerateViewsStayFinite) {
   const GeometryImage image = waveImage(32, 0.2, 0.35);
   const VdimAtlas atlas = buildVdimAtlas(image, {16, 8});
-  for (const glm::vec3 wo : {glm::vec3(0, 0, 1), glm::vec3(1, 0, 1e-7f), glm::vec3(-0.70710678f, 0.70710678f, 0),
-                             glm::vec3(1e-8f, 0, 1), glm::vec3(0, -1, 0)}) {
+  for (const glm::vec3 wo :
+       {glm::vec3(0, 0, 1), glm::vec3(1, 0, 1e-7f), glm::vec3(-0.70710678f, 0.70710678f, 0),
+        glm::vec3(1e-8f, 0, 1), glm::vec3(0, -1, 0)}) {
     for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) {
       const auto hit = vdimLookup<float>({.atlas = &atlas}, lookup, glm::vec2(0.4f, 0.9f), wo);
       EXPECT_TRUE(std::isfinite(hit.p.x) && std::isfinite(hit.p.y) && std::isfinite(hit.position.z));
@@ -443,7 +460,8 @@ class WaveCylinder : public testing::Test {
   const VdimAtlas atlas_ = buildVdimAtlas(image_, {});
   const LocalSurface<double> surface_{glm::dmat2(0, 0, 0, kCurvature), glm::dmat2(1)};
 
-  // Of a point, seen from the point of the surface that is looked at: x along the cylinder, y around it, z over it.
+  // Of a point, seen from the point of the surface that is looked at: x along the cylinder, y around it, z
+  // over it.
   static glm::dvec3 unbent(const glm::dvec3& p) {
     return {p.x, kRadius * std::atan2(p.y, kRadius + p.z), std::hypot(p.y, kRadius + p.z) - kRadius};
   }
@@ -474,7 +492,9 @@ class WaveCylinder : public testing::Test {
         continue;
       }
       const auto straight = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, view.x, view.wo);
-      const auto off = [&](const VdimHit<double>& found) { return glm::distance(glm::dvec2(found.position), *truth) > kTexel; };
+      const auto off = [&](const VdimHit<double>& found) {
+        return glm::distance(glm::dvec2(found.position), *truth) > kTexel;
+      };
       n.seen += 1, n.lost += bent.missed, n.straight_off += off(straight), n.bent_off += off(bent);
     }
     return n;
@@ -490,7 +510,8 @@ TEST_F(WaveCylinder, LookupFollowsTheRay) {
   EXPECT_LT(n.lost, n.seen / 200) << "of " << n.seen << " rays that meet the tile";
   // A texel of 64 off: the second-order model of the bend, and what the search loses on a plane already.
   EXPECT_LT(n.bent_off, n.seen / 20) << "of " << n.seen;
-  EXPECT_LT(n.bent_off * 5, n.straight_off) << "of " << n.seen << "; bent " << n.bent_off << ", straight " << n.straight_off;
+  EXPECT_LT(n.bent_off * 5, n.straight_off)
+      << "of " << n.seen << "; bent " << n.bent_off << ", straight " << n.straight_off;
 }
 
 // There a ray runs over a tile or more, and no straight ray from where it comes in is near all of it.
@@ -498,14 +519,15 @@ TEST_F(WaveCylinder, LookupFollowsGrazingRays) {
   const Counts n = count(20000, 75);
   ASSERT_GT(n.seen, 1000);
   EXPECT_LT(n.bent_off, n.seen / 10) << "of " << n.seen;
-  EXPECT_LT(n.bent_off * 3, n.straight_off) << "of " << n.seen << "; bent " << n.bent_off << ", straight " << n.straight_off;
+  EXPECT_LT(n.bent_off * 3, n.straight_off)
+      << "of " << n.seen << "; bent " << n.bent_off << ", straight " << n.straight_off;
   // Rays that come close to the surface without meeting it are told apart by the search's own tolerances.
   EXPECT_LT(n.lost, n.seen / 200) << "of " << n.seen << " rays that meet the tile";
   EXPECT_LT(n.by_found, n.by / 20) << "of " << n.by << " rays that go by";
 }
 
-// Around the cylinder along a valley .3 deep a ray at 80 degrees turns at .06 and leaves; along a crest it stops at once, across
-// the waves at a flank.
+// Around the cylinder along a valley .3 deep a ray at 80 degrees turns at .06 and leaves; along a crest it
+// stops at once, across the waves at a flank.
 TEST_F(WaveCylinder, LookupTellsRaysThatGoByFromRaysThatMeetTheTile) {
   for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
     for (const double theta : {80.0, 82.5, 85.0}) {
@@ -532,10 +554,12 @@ TEST_F(WaveCylinder, LookupRepeatsWithTheTile) {
   for (const View& view : randomViews(500, 85)) {
     const glm::dvec2 x = glm::round(view.x * 1024.0) / 1024.0;  // so that sums are exact
     const auto near = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, x, view.wo, surface_);
-    const auto far = vdimLookup({.atlas = &atlas_}, Lookup::kDefault, x + glm::dvec2(64, -32), view.wo, surface_);
+    const auto far =
+        vdimLookup({.atlas = &atlas_}, Lookup::kDefault, x + glm::dvec2(64, -32), view.wo, surface_);
     EXPECT_EQ(near.missed, far.missed);
     EXPECT_EQ(near.height, far.height);
-    EXPECT_TRUE(std::isfinite(near.position.x) && std::isfinite(near.position.y) && std::isfinite(near.position.z));
+    EXPECT_TRUE(std::isfinite(near.position.x) && std::isfinite(near.position.y) &&
+                std::isfinite(near.position.z));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "material/base/check.h"
 #include "material/base/issues.h"
+#include "material/system/asset_io.h"
 #include "runtime/gl/gl_state.h"
 #include "runtime/gl/material/gl_texture.h"
 #include "runtime/gl/material/material_gpu.h"
@@ -35,7 +36,8 @@ struct Slot {
   std::shared_ptr<const AssetFile> file;
   MaterialVariant variant;
   std::vector<PartPlan> plan;
-  std::vector<std::shared_ptr<const KeptTexels>> kept;  // per part: until the part that begins with it is asked for
+  std::vector<std::shared_ptr<const KeptTexels>>
+      kept;                       // per part: until the part that begins with it is asked for
   std::vector<uint64_t> serials;  // per part: of the request that counts
   MaterialGpu gpu;
 };
@@ -48,34 +50,42 @@ struct Demand {
 // Whether a later part begins with what this one was made of.
 bool continues(const std::vector<PartPlan>& plan, uint32_t part) {
   return std::any_of(plan.begin() + part + 1, plan.end(), [&](const PartPlan& later) {
-    return beginsWith(later.kind) == plan[part].kind && later.kind != plan[part].kind && later.band == plan[part].band;
+    return beginsWith(later.kind) == plan[part].kind && later.kind != plan[part].kind &&
+           later.band == plan[part].band;
   });
 }
 
 Status checkOptions(const MaterialSystemOptions& options) {
-  const auto issue = [](const char* text) { return Issue{issue_id::kOption, Severity::kError, "material system", text}; };
+  const auto issue = [](const char* text) {
+    return Issue{issue_id::kOption, Severity::kError, "material system", text};
+  };
   if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
   if (!(options.release_seconds > 0)) return issue("release_seconds must be above 0");
   constexpr int kTexels = AssetLimits::kMaxAtlasTexels, kDirections = AssetLimits::kMaxAtlasDirections;
-  if (const auto& size = options.atlas_size; size && (size->texels < 1 || size->directions < 1 || size->texels > kTexels || size->directions > kDirections))
+  if (const auto& size = options.atlas_size;
+      size &&
+      (size->texels < 1 || size->directions < 1 || size->texels > kTexels || size->directions > kDirections))
     return issue("atlas_size must be 1 to 128 texels and 1 to 45 directions");
   if (options.first_unit < 0 || options.first_unit > 255) return issue("first_unit must be 0 to 255");
   return {};
 }
 
 // Where the material's textures go.
-Status placeUnits(MaterialVariant& variant, const MaterialSystemOptions& options, const Capabilities& capabilities, const std::string& name) {
+Status placeUnits(MaterialVariant& variant, const MaterialSystemOptions& options,
+                  const Capabilities& capabilities, const std::string& name) {
   variant.first_unit = static_cast<uint8_t>(options.first_unit);
   const int needed = options.first_unit + unitsOf(variant);
   if (needed <= capabilities.max_fragment_textures) return {};
   return Issue{issue_id::kLimit, Severity::kError, name,
-               "needs texture units up to " + std::to_string(needed) + ", and the driver has " + std::to_string(capabilities.max_fragment_textures)};
+               "needs texture units up to " + std::to_string(needed) + ", and the driver has " +
+                   std::to_string(capabilities.max_fragment_textures)};
 }
 
 }  // namespace
 
 struct MaterialSystem::Impl {
-  Impl(const Device& d, const MaterialSystemOptions& o) : device(&d), options(o), residency(residencyOptions(o)) {}
+  Impl(const Device& d, const MaterialSystemOptions& o)
+      : device(&d), options(o), residency(residencyOptions(o)) {}
 
   static ResidencyOptions residencyOptions(const MaterialSystemOptions& options) {
     ResidencyOptions r;
@@ -107,10 +117,13 @@ struct MaterialSystem::Impl {
   void publishActive();
   ResidentState residentState(uint32_t index) const;
   void countFrame();
-  void publish(uint32_t index) { relief_revision += slots[index].gpu.publish(residentState(index)) && hasRelief(slots[index].variant); }
+  void publish(uint32_t index) {
+    relief_revision += slots[index].gpu.publish(residentState(index)) && hasRelief(slots[index].variant);
+  }
   bool current(const PartTicket& ticket) const {
     const Slot& slot = slots[ticket.ref.slot];
-    return slot.alive && ticket.ref.part < slot.serials.size() && slot.serials[ticket.ref.part] == ticket.serial;
+    return slot.alive && ticket.ref.part < slot.serials.size() &&
+           slot.serials[ticket.ref.part] == ticket.serial;
   }
 
   const Device* device;
@@ -153,8 +166,10 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   const auto file = std::make_shared<const AssetFile>(std::move(*opened));
   Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
   if (!variant) return variant.issue();
-  if (Status status = placeUnits(*variant, impl.options, impl.device->capabilities(), name); !status) return status.issue();
-  std::vector<PartPlan> plan = planParts(file->skeleton(), *variant, impl.options.atlas_size.value_or(file->skeleton().atlas));
+  if (Status status = placeUnits(*variant, impl.options, impl.device->capabilities(), name); !status)
+    return status.issue();
+  std::vector<PartPlan> plan =
+      planParts(file->skeleton(), *variant, impl.options.atlas_size.value_or(file->skeleton().atlas));
   if (Status status = checkExtents(file->skeleton(), plan, impl.device->capabilities()); !status)
     return status.issue();
   std::vector<PartDesc> descs;
@@ -291,7 +306,8 @@ void MaterialSystem::Impl::fail(PartRef ref, Issue issue) {
 }
 
 void MaterialSystem::Impl::pumpUploads() {
-  const auto bound = int64_t(std::clamp<uint64_t>(options.upload_bytes_per_frame, 1, INT64_MAX));  // a step uploads a row at least
+  const auto bound = int64_t(
+      std::clamp<uint64_t>(options.upload_bytes_per_frame, 1, INT64_MAX));  // a step uploads a row at least
   int64_t budget = bound;
   std::optional<GlPixelStateScope> scope;
   if (!uploads.empty()) scope.emplace();
@@ -302,7 +318,8 @@ void MaterialSystem::Impl::pumpUploads() {
     if (pumped == Pumped::kComplete)
       finishJob(job);
     else
-      fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name, "the driver has no memory for a texture"});
+      fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name,
+                            "the driver has no memory for a texture"});
     uploads.pop_front();
   }
   stats.uploaded_last_frame = uint64_t(bound - budget);
@@ -353,7 +370,8 @@ void MaterialSystem::Impl::request(PartRef ref) {
   const PartPlan& plan = slot.plan[ref.part];
   std::shared_ptr<const KeptTexels> kept;
   for (uint32_t part = 0; part < ref.part; ++part)
-    if (slot.plan[part].kind == beginsWith(plan.kind) && slot.plan[part].band == plan.band) kept = std::exchange(slot.kept[part], {});
+    if (slot.plan[part].kind == beginsWith(plan.kind) && slot.plan[part].band == plan.band)
+      kept = std::exchange(slot.kept[part], {});
   loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(kept), options.atlas_threads});
 }
 
@@ -371,7 +389,8 @@ ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
       state.leads &= ~band;
       state.rest[size_t(plan.band)] = plan.desc.refines ? residency.shownShare({index, part}) : 1;
     }
-    if (plan.kind == PartKind::kSurfaceTail || plan.kind == PartKind::kSurface) state.tail = plan.kind == PartKind::kSurfaceTail;
+    if (plan.kind == PartKind::kSurfaceTail || plan.kind == PartKind::kSurface)
+      state.tail = plan.kind == PartKind::kSurfaceTail;
     if (plan.kind == PartKind::kGeometry || plan.kind == PartKind::kAtlas) state.atlas = plan.atlas;
   }
   return state;

@@ -3,6 +3,7 @@
 
 #include "material/asset/asset.h"
 #include "material/eval/evaluate.h"
+#include "material/system/asset_io.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 1;

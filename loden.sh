@@ -9,7 +9,7 @@ readonly LOGS=build/logs
 readonly BIN=$BUILD/bin
 readonly TILES=(button isba pulli sponge)
 readonly PACKAGES=(
-  build-essential ca-certificates ccache cmake ninja-build pkg-config
+  build-essential ca-certificates ccache clang-format cmake ninja-build pkg-config
   libceres-dev libcli11-dev libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev
   libglfw3-dev libglm-dev libgtest-dev libimgui-dev libopenimageio-dev libosd-dev libstb-dev libtbb-dev
   libtinygltf-dev libvulkan-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
@@ -28,6 +28,7 @@ usage: ./loden.sh VERB
   studies   run the papers' studies; tables and JSON below out/studies
   pictures  ray traced truth beside the three modes, near, far and magnified: PSNR, FLIP and one picture
   build     build the libraries, the tools and the tests
+  format    format the code and wrap the text, as the tests want it
   clean     remove build/ and out/
   help      this text
 
@@ -83,14 +84,16 @@ read_apt() {  # "pmstatus:libglm-dev:42.5:Unpacking ..."
   local line
   while IFS= read -r line; do
     if [[ $line =~ ^(dl|pm)status:[^:]*:([0-9]+) ]]; then
-      if [[ ${BASH_REMATCH[1]} == dl ]]; then live "$1: fetching, ${BASH_REMATCH[2]} %"; else live "$1: ${BASH_REMATCH[2]} %"; fi
+      local doing=
+      [[ ${BASH_REMATCH[1]} == dl ]] && doing='fetching, '
+      live "$1: $doing${BASH_REMATCH[2]} %"
     else
       printf '%s\n' "$line"
     fi
   done >"$2"
 }
 
-# --- packages and build --------------------------------------------------------------------------------------
+# --- packages and build ---------------------------------------------------------------------------
 
 missing_packages() {
   local installed package
@@ -110,11 +113,13 @@ install_packages() {
   mapfile -t missing < <(missing_packages || true)
   ((${#missing[@]})) || return 0
   if [[ $(id -u) != 0 ]]; then
-    command -v sudo >/dev/null || die "missing packages; as root: apt-get install --no-install-recommends ${missing[*]}"
+    command -v sudo >/dev/null ||
+      die "missing packages; as root: apt-get install --no-install-recommends ${missing[*]}"
     sudo -v
     root=(sudo)
   fi
-  # Descriptor 3 is opened behind sudo, which closes all but the first three; apt closes its own for the packages' scripts.
+  # Descriptor 3 is opened behind sudo, which closes all but the first three; apt closes its own for the
+  # packages' scripts.
   local apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive sh -c 'exec apt-get -y -q "$@" 3>&1' apt
     -o DPkg::Lock::Timeout=120 -o APT::Status-Fd=3)
   step "package lists" apt-update read_apt "${apt[@]}" update
@@ -141,7 +146,7 @@ build() {
     cmake --build "$BUILD" --parallel "$(jobs_here)" --target "$@"
 }
 
-# --- demo ------------------------------------------------------------------------------------------------------
+# --- demo -----------------------------------------------------------------------------------------
 
 # First 12 hex digits of the hash of the tool and the given words: names what the tool makes of them.
 key() { { cat "$BIN/loden"; printf '%s\0' "$@"; } | sha256sum | cut -c1-12; }
@@ -155,8 +160,8 @@ tool() {
   "$@" >>"$log" || die "$what: exit status $?; command: $*"
 }
 
-# bake_tile TILE: prints the folder. The tool goes on with an interrupted bake, keeps a finished one, and refuses one
-# of another tile or version (exit status 2), which is then baked anew.
+# bake_tile TILE: prints the folder. The tool goes on with an interrupted bake, keeps a finished one, and
+# refuses one of another tile or version (exit status 2), which is then baked anew.
 bake_tile() {
   local folder=out/bake/$1-64 command status=0
   command=("$BIN/loden" bake "builtin:$1" -o "$folder" --size 64 --directions bonn81)
@@ -171,7 +176,8 @@ bake_tile() {
   echo "$folder"
 }
 
-# cook_tile TILE FOLDER NAME OPTION...: prints the asset's path; cooks unless this tool cooked the same bake before.
+# cook_tile TILE FOLDER NAME OPTION...: prints the asset's path; cooks unless this tool cooked the same bake
+# before.
 cook_tile() {
   local tile=$1 folder=$2 name=$3 asset
   shift 3
@@ -210,7 +216,7 @@ walk() {
   echo "$walked" >out/demo/walked
 }
 
-# --- other verbs -----------------------------------------------------------------------------------------------
+# --- other verbs ----------------------------------------------------------------------------------
 
 verb_build() { build all; }
 
@@ -237,7 +243,8 @@ verb_studies() {
   local study
   : >"$LOGS/tools.log"
   for study in $("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p'); do
-    tool "study $study" "$BIN/loden" study "$study" --bakes out/studies/bakes --json "out/studies/$study.json" \
+    tool "study $study" "$BIN/loden" study "$study" --bakes out/studies/bakes \
+      --json "out/studies/$study.json" \
       --csv "out/studies/$study.csv" --pictures out/studies/pictures
   done
   tool "figures" tests/studies/figures.sh "$BIN" out/studies/pictures out/studies
@@ -264,10 +271,15 @@ verb_pictures() {
   say "table: $PWD/out/pictures/table.md, pictures beside it"
 }
 
+verb_format() {
+  install_packages
+  python3 tests/style/style.py --fix
+}
+
 verb_clean() { rm -rf build out; }
 
 case ${1:-help} in
-  demo | test | bench | studies | pictures | build | clean)
+  demo | test | bench | studies | pictures | build | format | clean)
     (($# == 1)) || die "the verb $1 takes no arguments"
     "verb_$1"
     ;;

@@ -14,7 +14,8 @@ using Json = nlohmann::json;
 
 glm::dvec3 readVector(const Json& object, const char* key) {
   const Json& value = object.at(key);
-  if (!value.is_array() || value.size() != 3) throw std::runtime_error(std::string(key) + " must be three numbers");
+  if (!value.is_array() || value.size() != 3)
+    throw std::runtime_error(std::string(key) + " must be three numbers");
   const glm::dvec3 v(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
   if (!std::isfinite(v.x + v.y + v.z)) throw std::runtime_error(std::string(key) + " must be finite");
   return v;
@@ -24,7 +25,8 @@ Camera readLens(const Json& object, const glm::dvec3& up) {
   Camera camera;
   camera.up = object.contains("up") ? readVector(object, "up") : up;
   camera.fov_degrees = object.value("fov_degrees", camera.fov_degrees);
-  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 175)) throw std::runtime_error("fov_degrees must be 0 .. 175");
+  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 175))
+    throw std::runtime_error("fov_degrees must be 0 .. 175");
   return camera;
 }
 
@@ -64,7 +66,8 @@ Result<runtime::CameraPath> readCameraPath(const std::filesystem::path& path, co
     const Camera lens = readLens(json, up);
     std::vector<runtime::CameraPath::Key> keys;
     for (const Json& frame : json.at("keyframes")) {
-      keys.push_back({frame.at("t").get<double>(), readVector(frame, "position"), readVector(frame, "target")});
+      keys.push_back(
+          {frame.at("t").get<double>(), readVector(frame, "position"), readVector(frame, "target")});
       checkView(keys.back().position, keys.back().target, lens.up);
       if (keys.size() > 1 && !(keys.back().t > keys[keys.size() - 2].t))
         throw std::runtime_error("keyframes: times must increase");

@@ -17,12 +17,15 @@ glm::dvec3 average(std::span<const glm::u8vec4> frame, int width, glm::ivec2 low
   for (int y = low.y; y < high.y; ++y)
     for (int x = low.x; x < high.x; ++x) {
       const glm::u8vec4& code = frame[size_t(y) * width + x];
-      sum += glm::dvec3(linearFromSrgb(code.r / 255.0), linearFromSrgb(code.g / 255.0), linearFromSrgb(code.b / 255.0));
+      sum += glm::dvec3(linearFromSrgb(code.r / 255.0), linearFromSrgb(code.g / 255.0),
+                        linearFromSrgb(code.b / 255.0));
     }
   return sum / (double(high.x - low.x) * (high.y - low.y));
 }
 
-uint8_t codeOf(double linear) { return static_cast<uint8_t>(std::lround(255 * std::clamp(srgbFromLinear(linear), 0.0, 1.0))); }
+uint8_t codeOf(double linear) {
+  return static_cast<uint8_t>(std::lround(255 * std::clamp(srgbFromLinear(linear), 0.0, 1.0)));
+}
 
 }  // namespace
 

@@ -25,7 +25,8 @@ class ContactSheet {
   std::vector<glm::u8vec4> pixels_;
 };
 
-// Which of `frames` frames go into a sheet of `cells` pictures: evenly spread, the first and the last among them.
+// Which of `frames` frames go into a sheet of `cells` pictures: evenly spread, the first and the last among
+// them.
 bool onContactSheet(int frame, int frames, int cells);
 
 }  // namespace loden::walk

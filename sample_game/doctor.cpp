@@ -40,8 +40,9 @@ int runDoctor(bool json) {
   for (const auto& [what, value] : all.items()) {
     if (what == "schema") continue;
     const std::string text = value.is_string() ? value.get<std::string>()
-                             : value.is_array() && value.empty() ? "nothing"
-                                                                 : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+                             : value.is_array() && value.empty()
+                                 ? "nothing"
+                                 : value.dump(-1, ' ', false, Json::error_handler_t::replace);
     std::printf("%-24s %s\n", what.c_str(), text.c_str());
   }
   return 0;

@@ -3,7 +3,8 @@
 
 namespace loden::walk {
 
-// Prints a flat JSON object, schema loden/walk-doctor/1, or one line per fact. Returns the exit code: 4 without a context.
+// Prints a flat JSON object, schema loden/walk-doctor/1, or one line per fact. Returns the exit code: 4
+// without a context.
 int runDoctor(bool json);
 
 }  // namespace loden::walk

@@ -57,23 +57,33 @@ void addInput(CLI::App& app, Options& options, std::string& light) {
       ->default_str("30,0")
       ->needs(asset)
       ->check([&](const std::string& text) { return parseLight(text, options.light); });
-  app.add_option("--environment", options.environment, "Light from all around: a lat-long panorama (.hdr); on a surface, instead of --light unless that is given too");
-  app.add_option("--camera", options.camera, "Camera (JSON: position, target, up, fov_degrees); without one the scene's first, or one that sees all of it");
-  app.add_option("--script", options.script, "Camera path (JSON: keyframes of t, position, target); without one the camera of a headless walk stands still");
+  app.add_option("--environment", options.environment,
+                 "Light from all around: a lat-long panorama (.hdr); on a surface, instead of --light unless "
+                 "that is given too");
+  app.add_option("--camera", options.camera,
+                 "Camera (JSON: position, target, up, fov_degrees); without one the scene's first, or one "
+                 "that sees all of it");
+  app.add_option("--script", options.script,
+                 "Camera path (JSON: keyframes of t, position, target); without one the camera of a headless "
+                 "walk stands still");
 }
 
 void addOutput(CLI::App& app, Options& options, std::string& size) {
   app.add_flag("--headless", options.headless, "No window, and no display needed");
-  app.add_option("--size", size, "Picture size, WxH")->default_str("800x600")->check([&](const std::string& text) {
-    return parseSize(text, options.size);
-  });
-  app.add_option("--frames", options.frames, "Number of frames, over which the path is spread; without it one if headless, else until the window is closed")->check(CLI::Range(1, 1000000));
+  app.add_option("--size", size, "Picture size, WxH")
+      ->default_str("800x600")
+      ->check([&](const std::string& text) { return parseSize(text, options.size); });
+  app.add_option("--frames", options.frames,
+                 "Number of frames, over which the path is spread; without it one if headless, else until "
+                 "the window is closed")
+      ->check(CLI::Range(1, 1000000));
   app.add_option("--capture", options.capture, "Folder for one PNG per frame");
   app.add_option("--contact-sheet", options.contact_sheet, "One PNG with frames from the whole walk");
   app.add_option("--report", options.report, "Times, bytes and counts per frame (JSON)");
   app.add_flag("--gl-debug", options.gl_debug, "A debug context: the driver's messages are printed");
   app.add_flag("-q,--quiet", options.quiet, "No progress");
-  auto* doctor = app.add_flag("--doctor", options.doctor, "Only tell what OpenGL offers here and what it lacks");
+  auto* doctor =
+      app.add_flag("--doctor", options.doctor, "Only tell what OpenGL offers here and what it lacks");
   app.add_option("--format", options.json, "Of --doctor")
       ->transform(oneOf(std::map<std::string, bool>{{"text", false}, {"json", true}}))
       ->type_name("NAME")
@@ -82,20 +92,30 @@ void addOutput(CLI::App& app, Options& options, std::string& size) {
 }
 
 void addRuntime(CLI::App& app, Options& options) {
-  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials, MiB")->check(CLI::Range(0.0, 1e6))->capture_default_str();
-  app.add_option("--upload-kb", options.upload_kb, "Upload per frame, KiB")->check(CLI::Range(0.0, 1e9))->capture_default_str();
-  app.add_option("--mode", options.mode, "full: everything; fallback: glTF's own materials; normal-map: surface assets without their VDIM; paper: the published lookup, where stored; no-lod: always lambda 0")
+  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials, MiB")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--upload-kb", options.upload_kb, "Upload per frame, KiB")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  app.add_option("--mode", options.mode,
+                 "full: everything; fallback: glTF's own materials; normal-map: surface assets without their "
+                 "VDIM; paper: the published lookup, where stored; no-lod: always lambda 0")
       ->transform(oneOf(kModes))
       ->type_name("NAME")
       ->default_str("full");
-  app.add_option("--lambda-rule", options.lambda_rule, "Level of detail by a pixel's footprint on the surface, or by its distance alone (Ma et al. 2005)")
+  app.add_option(
+         "--lambda-rule", options.lambda_rule,
+         "Level of detail by a pixel's footprint on the surface, or by its distance alone (Ma et al. 2005)")
       ->transform(oneOf(kLambdaRules))
       ->type_name("NAME")
       ->default_str("footprint");
   app.add_option("--lambda", options.lambda, "Level of detail everywhere, instead of either rule's")
       ->check(CLI::Range(0.0, 32.0));
-  app.add_flag("--parallax-depth", options.parallax_depth, "Depth, shadows and lamps at the displaced surface");
-  app.add_flag("--stream", options.stream, "Headless: draw what is resident instead of waiting for all of it");
+  app.add_flag("--parallax-depth", options.parallax_depth,
+               "Depth, shadows and lamps at the displaced surface");
+  app.add_flag("--stream", options.stream,
+               "Headless: draw what is resident instead of waiting for all of it");
   app.add_option("--shader-cache", options.shader_cache, "Folder for compiled programs");
 }
 

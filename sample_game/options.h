@@ -12,36 +12,38 @@
 namespace loden::walk {
 
 enum class Mode {
-  kFull,      // everything
-  kFallback,  // glTF's own materials
-  kNormalMap, // surface assets without their VDIM: a normal and a diffuse map
-  kPaper,     // the published VDIM lookup, where the asset stores one
-  kNoLod,     // always lambda 0
+  kFull,       // everything
+  kFallback,   // glTF's own materials
+  kNormalMap,  // surface assets without their VDIM: a normal and a diffuse map
+  kPaper,      // the published VDIM lookup, where the asset stores one
+  kNoLod,      // always lambda 0
 };
 
 struct Options {
   std::filesystem::path scene;  // either this ...
   std::filesystem::path asset;  // ... or this, on a surface
   SurfaceKind surface = SurfaceKind::kPlane;
-  std::filesystem::path camera;   // empty: the scene's own, or the default of material/model/analytic_surface.h
-  std::optional<glm::dvec2> light;  // degrees theta, phi from +z; of the surface. None: (30, 0), or the environment
+  std::filesystem::path
+      camera;  // empty: the scene's own, or the default of material/model/analytic_surface.h
+  std::optional<glm::dvec2>
+      light;  // degrees theta, phi from +z; of the surface. None: (30, 0), or the environment
   std::filesystem::path environment;  // empty: none
   bool headless = false;
   glm::ivec2 size{800, 600};
   std::filesystem::path script;
-  int frames = 0;                 // 0: as long as the window is open, one when headless
+  int frames = 0;  // 0: as long as the window is open, one when headless
   std::filesystem::path capture, report, contact_sheet, shader_cache;  // empty: none
   double budget_mb = 64, upload_kb = 256;
   Mode mode = Mode::kFull;
   runtime::LambdaRule lambda_rule = runtime::LambdaRule::kFootprint;
   std::optional<float> lambda;
   bool parallax_depth = false;
-  bool stream = false;            // headless: do not wait for the loading thread
-  bool gl_debug = false;          // the driver's messages
+  bool stream = false;    // headless: do not wait for the loading thread
+  bool gl_debug = false;  // the driver's messages
   bool quiet = false;
-  bool doctor = false;            // only tell what OpenGL offers
-  bool json = false;              // ... as JSON
-  std::string command;            // as typed, for the report
+  bool doctor = false;  // only tell what OpenGL offers
+  bool json = false;    // ... as JSON
+  std::string command;  // as typed, for the report
 };
 const char* modeName(Mode mode);
 

@@ -4,14 +4,15 @@
 #include <chrono>
 #include <memory>
 
-#include "runtime/scene/camera.h"
-#include "runtime/gl/device.h"
 #include "runtime/frame/frame.h"
+#include "runtime/gl/device.h"
 #include "runtime/gl/material/material_system.h"
+#include "runtime/scene/camera.h"
 
 namespace loden::walk {
 
-// W A S D: move; Q E: down, up; Shift: faster; right mouse button and motion: look; P: back to the path; Esc: leave.
+// W A S D: move; Q E: down, up; Shift: faster; right mouse button and motion: look; P: back to the path; Esc:
+// leave.
 class Player {
  public:
   // Both must outlive the player.

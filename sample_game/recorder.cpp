@@ -14,14 +14,16 @@ constexpr int kSheetCells = 16;
 }  // namespace
 
 Recorder::Recorder(const Options& options, int frames) : options_(options), frames_(frames) {
-  if (!options.contact_sheet.empty() && frames > 0) sheet_.emplace(std::min(frames, kSheetCells), options.size);
+  if (!options.contact_sheet.empty() && frames > 0)
+    sheet_.emplace(std::min(frames, kSheetCells), options.size);
 }
 
 Status Recorder::begin() {
   if (options_.capture.empty()) return {};
   std::error_code error;
   std::filesystem::create_directories(options_.capture, error);
-  if (error) return Issue{issue_id::kCannotWrite, Severity::kError, options_.capture.string(), error.message()};
+  if (error)
+    return Issue{issue_id::kCannotWrite, Severity::kError, options_.capture.string(), error.message()};
   return {};
 }
 
@@ -29,7 +31,9 @@ bool Recorder::onSheet(int frame) const {
   return sheet_ && onContactSheet(frame, frames_, std::min(frames_, kSheetCells));
 }
 
-bool Recorder::wantsPixels(int frame) const { return !options_.capture.empty() || onSheet(frame); }
+bool Recorder::wantsPixels(int frame) const {
+  return !options_.capture.empty() || onSheet(frame);
+}
 
 Status Recorder::addPixels(int frame, std::span<const glm::u8vec4> pixels) {
   if (onSheet(frame)) sheet_->add(pixels);
@@ -41,7 +45,8 @@ Status Recorder::addPixels(int frame, std::span<const glm::u8vec4> pixels) {
 
 Status Recorder::finish() {
   if (sheet_)
-    if (Status status = runtime::writePng(options_.contact_sheet, sheet_->pixels(), sheet_->size()); !status) return status;
+    if (Status status = runtime::writePng(options_.contact_sheet, sheet_->pixels(), sheet_->size()); !status)
+      return status;
   if (!options_.report.empty())
     if (Status status = writeReport(options_.report, report_, options_); !status) return status;
   if (options_.quiet) return {};

@@ -12,14 +12,20 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json glJson(const runtime::Capabilities& gl) {
-  return {{"vendor", gl.vendor}, {"renderer", gl.renderer}, {"version", gl.version}, {"glsl", gl.glsl_version},
+  return {{"vendor", gl.vendor},
+          {"renderer", gl.renderer},
+          {"version", gl.version},
+          {"glsl", gl.glsl_version},
           {"software", gl.software}};
 }
 
 Json optionsJson(const Options& options) {
-  Json json{{"size", {options.size.x, options.size.y}}, {"budget_mb", options.budget_mb},
-            {"upload_kb", options.upload_kb},           {"mode", modeName(options.mode)},
-            {"headless", options.headless},             {"stream", options.stream}};
+  Json json{{"size", {options.size.x, options.size.y}},
+            {"budget_mb", options.budget_mb},
+            {"upload_kb", options.upload_kb},
+            {"mode", modeName(options.mode)},
+            {"headless", options.headless},
+            {"stream", options.stream}};
   if (options.lambda_rule == runtime::LambdaRule::kDistance) json["lambda_rule"] = "distance";
   if (options.lambda) json["lambda"] = *options.lambda;
   return json;
@@ -28,7 +34,8 @@ Json optionsJson(const Options& options) {
 Json frameJson(const FrameRecord& frame, size_t index) {
   Json demands = Json::array();
   for (const runtime::MaterialDemand& demand : frame.stats.demands)
-    demands.push_back({{"material", demand.name}, {"lambda", demand.lambda}, {"resident_lambda", demand.resident}});
+    demands.push_back(
+        {{"material", demand.name}, {"lambda", demand.lambda}, {"resident_lambda", demand.resident}});
   return {{"frame", index},
           {"t", frame.t},
           {"ms", frame.ms},
@@ -76,7 +83,7 @@ Json summaryJson(const Report& report) {
 }  // namespace
 
 Status writeReport(const std::filesystem::path& path, const Report& report, const Options& options) {
-  Json json{{"schema", "loden/walk/1"}, {"command", options.command}, {"gl", glJson(report.gl)},
+  Json json{{"schema", "loden/walk/1"},        {"command", options.command},     {"gl", glJson(report.gl)},
             {"options", optionsJson(options)}, {"summary", summaryJson(report)}, {"frames", Json::array()}};
   for (size_t i = 0; i < report.frames.size(); ++i) json["frames"].push_back(frameJson(report.frames[i], i));
   // Names come from files and drivers, and need not be UTF-8.

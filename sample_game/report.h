@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "material/base/result.h"
-#include "runtime/gl/device.h"
 #include "runtime/frame/frame.h"
+#include "runtime/gl/device.h"
 #include "runtime/gl/material/material_system.h"
 #include "runtime/shader/shader_library.h"
 #include "sample_game/options.h"
@@ -15,9 +15,9 @@
 namespace loden::walk {
 
 struct FrameRecord {
-  double t = 0;         // seconds on the camera path
-  double ms = 0;        // from prepare to the end of GPU work
-  double wait_ms = 0;   // spent waiting for the loading thread, not part of `ms`
+  double t = 0;        // seconds on the camera path
+  double ms = 0;       // from prepare to the end of GPU work
+  double wait_ms = 0;  // spent waiting for the loading thread, not part of `ms`
   runtime::FrameStats stats;
   runtime::MaterialStats materials;
 };

@@ -33,13 +33,17 @@ int fail(const Issue& issue) {
 
 // Pictures are complete, if coarser, where a part of an asset could not be read: say so.
 int failIfDamaged(const World& world) {
-  const uint64_t failed = world.materials->stats().failed_parts, memory = world.materials->stats().failed_memory;
+  const uint64_t failed = world.materials->stats().failed_parts,
+                 memory = world.materials->stats().failed_memory;
   if (failed == 0) return 0;
   if (memory > 0)
     return fail({issue_id::kMemory, Severity::kError, "materials",
-                 "there is no memory for " + std::to_string(memory) + " parts of the assets, and coarser ones were drawn: try a smaller --budget-mb"});
-  return fail({issue_id::kTruncated, Severity::kError, "materials",
-               std::to_string(failed) + " parts of the assets are damaged or missing and coarser ones were drawn: see loden validate"});
+                 "there is no memory for " + std::to_string(memory) +
+                     " parts of the assets, and coarser ones were drawn: try a smaller --budget-mb"});
+  return fail(
+      {issue_id::kTruncated, Severity::kError, "materials",
+       std::to_string(failed) +
+           " parts of the assets are damaged or missing and coarser ones were drawn: see loden validate"});
 }
 
 // One line on a terminal, rewritten in place.
@@ -48,19 +52,22 @@ void showProgress(const Options& options, int frame, int frames) {
   std::fprintf(stderr, "\rframe %d of %d%s", frame + 1, frames, frame + 1 == frames ? "\n" : "");
 }
 
-// To the far side of the scene; near enough planes for a room, in proportion for what is larger, nearer before what is closer.
+// To the far side of the scene; near enough planes for a room, in proportion for what is larger, nearer
+// before what is closer.
 DepthRange depthRange(const World& world, const Camera& camera) {
   const Bounds all = world.renderer->bounds();
   DepthRange range;
   const glm::dvec3 nearest = glm::clamp(camera.position, glm::dvec3(all.min), glm::dvec3(all.max));
-  if (const double distance = glm::distance(camera.position, nearest); distance > 0) range.near_plane = std::min(range.near_plane, distance / 2);
+  if (const double distance = glm::distance(camera.position, nearest); distance > 0)
+    range.near_plane = std::min(range.near_plane, distance / 2);
   const double reach = glm::distance(camera.position, glm::dvec3(all.centre())) + double(all.radius());
   if (reach <= range.far_plane) return range;
   return {range.near_plane * reach / range.far_plane, reach};
 }
 
 // Streams and draws one frame; times are wall-clock with the GPU drained on both sides.
-Result<FrameRecord> drawFrame(World& world, const Camera& camera, const FrameTarget& target, bool wait, float seconds) {
+Result<FrameRecord> drawFrame(World& world, const Camera& camera, const FrameTarget& target, bool wait,
+                              float seconds) {
   FrameRecord record;
   const auto start = Clock::now();
   world.renderer->prepare(makeView(camera, target.size, depthRange(world, camera)), world.settings);
@@ -87,7 +94,8 @@ int walkHeadless(const Options& options, World& world, Clock::time_point start) 
   recorder.report().start_ms = millisecondsSince(start);
   for (int i = 0; i < frames && !interrupted; ++i) {
     const double t = frames > 1 ? world.path.duration() * i / (frames - 1) : 0;
-    auto record = drawFrame(world, world.path.at(t), {target->framebuffer.name(), options.size}, !options.stream, kFrameSeconds);
+    auto record = drawFrame(world, world.path.at(t), {target->framebuffer.name(), options.size},
+                            !options.stream, kFrameSeconds);
     if (!record) return fail(record.issue());
     record->t = t;
     recorder.addFrame(*std::move(record));

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "material/model/directions.h"
 #include "material/base/issues.h"
+#include "material/model/directions.h"
 #include "runtime/scene/gltf_scene.h"
 #include "runtime/scene/image_read.h"
 #include "runtime/scene/mesh_analytic.h"
@@ -22,7 +22,9 @@ void printIssue(const Issue& issue) {
 }
 
 // Scenes have y up, surfaces z up.
-glm::dvec3 upOf(const Options& options) { return options.asset.empty() ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1); }
+glm::dvec3 upOf(const Options& options) {
+  return options.asset.empty() ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+}
 
 // For scenes without any light: over the shoulder of overview().
 Light defaultSun() {
@@ -74,7 +76,9 @@ Camera overview(const Scene& scene) {
   return camera;
 }
 
-CameraPath standingAt(const Camera& camera) { return CameraPath({{0, camera.position, camera.target}}, camera); }
+CameraPath standingAt(const Camera& camera) {
+  return CameraPath({{0, camera.position, camera.target}}, camera);
+}
 
 Result<CameraPath> makePath(const Options& options, const Scene& scene) {
   if (!options.script.empty()) return readCameraPath(options.script, upOf(options));
@@ -131,7 +135,8 @@ Result<World> makeWorld(const Options& options) {
   if (!scene) return scene.issue();
   for (const Issue& note : scene->notes) printIssue(note);
   if (scene->assets.empty() && !options.quiet)
-    std::fprintf(stderr, "loden_walk: %s has no Loden material, its own are drawn; loden pack adds one\n", options.scene.c_str());
+    std::fprintf(stderr, "loden_walk: %s has no Loden material, its own are drawn; loden pack adds one\n",
+                 options.scene.c_str());
   Result<std::optional<Environment>> environment = makeEnvironment(options);
   if (!environment) return environment.issue();
   Result<CameraPath> path = makePath(options, *scene);
@@ -150,8 +155,8 @@ Result<World> makeWorld(const Options& options) {
   if (!renderer) return renderer.issue();
   FrameSettings settings = frameSettings(options);
   settings.environment = std::move(*environment);
-  return World{std::move(device).value(), std::move(shaders), std::move(materials).value(), std::move(renderer).value(),
-               std::move(settings),       std::move(path.value())};
+  return World{std::move(device).value(),   std::move(shaders),  std::move(materials).value(),
+               std::move(renderer).value(), std::move(settings), std::move(path.value())};
 }
 
 }  // namespace loden::walk

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "material/base/result.h"
-#include "runtime/scene/camera.h"
-#include "runtime/gl/device.h"
 #include "runtime/frame/frame.h"
+#include "runtime/gl/device.h"
 #include "runtime/gl/material/material_system.h"
+#include "runtime/scene/camera.h"
 #include "runtime/shader/shader_library.h"
 #include "sample_game/options.h"
 

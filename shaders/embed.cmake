@@ -14,5 +14,13 @@ foreach(file IN LISTS FILES)
   endwhile()
   string(APPEND table "      {\"${name}\",\n${literal}},\n")
 endforeach()
-string(APPEND text "std::span<const ShaderSource> shaderSources() {\n  static constexpr ShaderSource kSources[] = {\n${table}  };\n  return kSources;\n}\n\nstd::string_view shaderSource(std::string_view name) {\n  for (const ShaderSource& source : shaderSources())\n    if (source.name == name) return source.text;\n  return {};\n}\n\n}  // namespace loden\n")
+string(APPEND text
+       "std::span<const ShaderSource> shaderSources() {\n"
+       "  static constexpr ShaderSource kSources[] = {\n${table}  };\n"
+       "  return kSources;\n}\n\n"
+       "std::string_view shaderSource(std::string_view name) {\n"
+       "  for (const ShaderSource& source : shaderSources())\n"
+       "    if (source.name == name) return source.text;\n"
+       "  return {};\n}\n\n"
+       "}  // namespace loden\n")
 file(WRITE ${OUTPUT} "${text}")

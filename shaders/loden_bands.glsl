@@ -23,8 +23,10 @@ LodenTablePosition loden_table_position(vec3 wi, vec3 wo) {
   vec2 size = vec2(textureSize(loden_nearest_light, 0));
   LODEN_COUNT(LODEN_UNIT_NEAREST_LIGHT, 1);
   LODEN_COUNT(LODEN_UNIT_NEAREST_VIEW, 1);
-  at.light_index = int(texelFetch(loden_nearest_light, ivec2(clamp((wi.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
-  at.view_index = int(texelFetch(loden_nearest_view, ivec2(clamp((wo.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
+  at.light_index = int(
+      texelFetch(loden_nearest_light, ivec2(clamp((wi.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
+  at.view_index =
+      int(texelFetch(loden_nearest_view, ivec2(clamp((wo.xy * 0.5 + 0.5) * size, vec2(0), size - 1.0)), 0).x);
 #endif
   return at;
 }
@@ -51,7 +53,8 @@ vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
 #ifdef LODEN_TABLES_NEAREST
   if ((loden_material.bands[band].bits & LODEN_BAND_LINEAR) == 0) {
     float side = loden_material.bands[band].side;
-    return texelFetch(loden_weights[band], ivec3(ivec2(min(floor(fract(q) * side), vec2(side - 1.0))), layer), 0);
+    return texelFetch(loden_weights[band], ivec3(ivec2(min(floor(fract(q) * side), vec2(side - 1.0))), layer),
+                      0);
   }
 #endif
   return textureLod(loden_weights[band], vec3(q, float(layer)), lod);
@@ -69,7 +72,8 @@ float loden_light_factor(int band, vec2 q, float lod, LodenTablePosition at) {
   int quad = 0;
   do {
     LODEN_COUNT(LODEN_UNIT_LIGHT_TABLE, 1);
-    vec4 product = loden_fetch_weights(band, first_layer + quad, q, lod) * textureLod(loden_light_table, position, 0.0) *
+    vec4 product = loden_fetch_weights(band, first_layer + quad, q, lod) *
+                   textureLod(loden_light_table, position, 0.0) *
                    loden_material.bands[band].quad_scale[first_scale + quad];
     position.z += 1.0 / float(quads);
     sum += product.x + product.y + product.z + product.w;
@@ -83,7 +87,8 @@ float loden_light_factor(int band, vec2 q, float lod, LodenTablePosition at) {
 vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mean) {
   int bits = loden_material.bands[band].bits;
   vec2 q = (bits & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
-  float lod = clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
+  float lod =
+      clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
   int y_quads = loden_material.bands[band].y_quads;
   int quads = y_quads + loden_material.bands[band].chroma_quads;
   vec3 sum = vec3(0.0);
@@ -95,7 +100,8 @@ vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mea
     sum += quad < y_quads ? vec3(halves.x + halves.y, 0.0, 0.0) : vec3(0.0, halves);
   } while (++quad < quads);
   if ((bits & LODEN_BAND_RATIO) != 0) {
-    vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy * loden_material.bands[band].ratio_scale;
+    vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy *
+                 loden_material.bands[band].ratio_scale;
     sum.yz += ratio * (sum.x + mean.x) - mean.yz;
   }
 #ifdef LODEN_LIGHT_FACTOR

@@ -1,5 +1,5 @@
-// Directions and the maps between them and tables. Mirrors material/model/directions.h; unit vectors in the tangent
-// frame of the reference plane, pointing away from the surface.
+// Directions and the maps between them and tables. Mirrors material/model/directions.h; unit vectors in the
+// tangent frame of the reference plane, pointing away from the surface.
 
 const float LODEN_PI = 3.14159265358979;
 // Views beyond 85 degrees are looked up at it (material/model/vdim.h, kThetaMax).

@@ -1,6 +1,7 @@
-// Light from all around. Mirrors material/model/environment.h and the environment's half of material/eval/evaluate.cpp.
-// Fetches per band: quads * 7 (weights, and one of the table per basis function), and 1 for the ratio layer; about what two lights cost.
-// With a light factor the ambient layer is one quad more.
+// Light from all around. Mirrors material/model/environment.h and the environment's half of
+// material/eval/evaluate.cpp. Fetches per band: quads * 7 (weights, and one of the table per basis function),
+// and 1 for the ratio layer; about what two lights cost. With a light factor the ambient layer is one quad
+// more.
 //
 // Use, once per pixel:
 //   LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(h, frame));
@@ -11,8 +12,8 @@ struct LodenHemisphere {
   vec3 c[LODEN_ENVIRONMENT_BASIS];
 };
 
-// The light in the frame whose columns are tangent, bitangent and normal. environment[3 c .. 3 c + 2] is colour channel
-// c: (linear, constant); diagonal of the quadratic form; its xy, xz, yz.
+// The light in the frame whose columns are tangent, bitangent and normal. environment[3 c .. 3 c + 2] is
+// colour channel c: (linear, constant); diagonal of the quadratic form; its xy, xz, yz.
 LodenHemisphere loden_hemisphere_light(vec4 environment[9], mat3 frame) {
   LodenHemisphere light;
   for (int c = 0; c < 3; ++c) {
@@ -36,7 +37,8 @@ LodenHemisphere loden_hemisphere_light(vec4 environment[9], mat3 frame) {
 // Per colour channel of the light (columns) Y, Cb and Cr of the mean.
 mat3 loden_evaluate_mean_environment(LodenHemisphere light, vec3 wo, float row) {
   int below = min(int(row), LODEN_ENVIRONMENT_THETAS - 2);
-  vec4 t = mix(loden_material.environment_mean[below], loden_material.environment_mean[below + 1], row - float(below));
+  vec4 t = mix(loden_material.environment_mean[below], loden_material.environment_mean[below + 1],
+               row - float(below));
   vec2 unit = loden_material.environment_unit;
   float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
   vec2 along = sine > 1e-6 ? wo.xy / sine : vec2(1.0, 0.0);
@@ -51,7 +53,8 @@ mat3 loden_evaluate_mean_environment(LodenHemisphere light, vec3 wo, float row) 
 mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHemisphere light, mat3 mean) {
   int bits = loden_material.bands[band].bits;
   vec2 q = (bits & LODEN_BAND_FLAT) != 0 ? hit.p : hit.x;
-  float lod = clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
+  float lod =
+      clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
   int y_quads = loden_material.bands[band].y_quads;
   int quads = y_quads + loden_material.bands[band].chroma_quads;
 #ifdef LODEN_LIGHT_FACTOR
@@ -81,7 +84,8 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
     vec4 weights = loden_fetch_weights(band, quad, q, lod);
     bool luminance = quad < y_quads;
 #endif
-    weights *= float(quad) < loden_material.bands[band].first_rest ? 1.0 : loden_material.bands[band].rest_share;
+    weights *=
+        float(quad) < loden_material.bands[band].first_rest ? 1.0 : loden_material.bands[band].rest_share;
     red *= weights;
     green *= weights;
     blue *= weights;
@@ -90,7 +94,8 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
     for (int c = 0; c < 3; ++c) sum[c] += luminance ? vec3(halves[c].y + halves[c].z, 0.0, 0.0) : halves[c];
   } while (++quad < quads);
   if ((bits & LODEN_BAND_RATIO) != 0) {
-    vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy * loden_material.bands[band].ratio_scale;
+    vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy *
+                 loden_material.bands[band].ratio_scale;
     for (int c = 0; c < 3; ++c) sum[c].yz += ratio * (sum[c].x + mean[c].x) - mean[c].yz;
   }
   return sum;
@@ -137,6 +142,7 @@ vec3 loden_evaluate_environment(LodenMaterial m, LodenHit hit, LodenHemisphere l
   vec2 view = loden_grid_position(wo, loden_material.theta_max);
   mat3 mean = loden_evaluate_mean_environment(light, wo, view.y * float(LODEN_ENVIRONMENT_THETAS - 1));
   mat3 ycc = mean + loden_evaluate_bands_environment(hit, view, light, mean);
-  return max(vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b), 0.0);
+  return max(vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b),
+             0.0);
 #endif
 }

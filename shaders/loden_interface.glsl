@@ -1,5 +1,5 @@
-// What the library reads: one uniform block and its textures. A renderer binds these (units in loden_shared.h)
-// and defines nothing else.
+// What the library reads: one uniform block and its textures. A renderer binds these (units in
+// loden_shared.h) and defines nothing else.
 
 #ifdef VULKAN
 #define LODEN_BINDING(n) layout(set = LODEN_DESCRIPTOR_SET, binding = LODEN_FIRST_UNIT + n)
@@ -9,7 +9,8 @@
 #define LODEN_BLOCK(n) layout(std140, binding = n)
 #endif
 
-// LODEN_COUNT(unit, n) stands beside n texture instructions on a unit. An instrumented renderer may define its own.
+// LODEN_COUNT(unit, n) stands beside n texture instructions on a unit. An instrumented renderer may define
+// its own.
 #ifndef LODEN_COUNT
 #ifdef LODEN_COUNT_FETCHES
 int loden_fetches = 0;  // texture instructions issued by this invocation
@@ -19,12 +20,15 @@ int loden_fetches = 0;  // texture instructions issued by this invocation
 #endif
 #endif
 
-LODEN_BLOCK(LODEN_BLOCK_MATERIAL) uniform LodenMaterialBlock { LodenMaterialData loden_material; };
+LODEN_BLOCK(LODEN_BLOCK_MATERIAL) uniform LodenMaterialBlock {
+  LodenMaterialData loden_material;
+};
 
 #ifdef LODEN_BANDS
-LODEN_BINDING(LODEN_UNIT_WEIGHTS) uniform sampler2DArray loden_weights[LODEN_BANDS];  // repeat, trilinear
-LODEN_BINDING(LODEN_UNIT_TABLE(LODEN_BANDS)) uniform sampler3D loden_table[LODEN_BANDS];           // clamp, linear
-LODEN_BINDING(LODEN_UNIT_ENVIRONMENT(LODEN_BANDS)) uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
+LODEN_BINDING(LODEN_UNIT_WEIGHTS) uniform sampler2DArray loden_weights[LODEN_BANDS];      // repeat, trilinear
+LODEN_BINDING(LODEN_UNIT_TABLE(LODEN_BANDS)) uniform sampler3D loden_table[LODEN_BANDS];  // clamp, linear
+LODEN_BINDING(LODEN_UNIT_ENVIRONMENT(LODEN_BANDS))
+uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
 #endif
 #ifdef LODEN_LIGHT_FACTOR
 LODEN_BINDING(LODEN_UNIT_LIGHT_TABLE) uniform sampler3D loden_light_table;  // clamp, linear
@@ -33,15 +37,16 @@ LODEN_BINDING(LODEN_UNIT_LIGHT_TABLE) uniform sampler3D loden_light_table;  // c
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
 LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;
 #endif
-LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform usampler2D loden_geometry;            // R32UI, material/model/packed_geometry.h; repeat
-LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;    // repeat
-LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;       // nearest
+LODEN_BINDING(LODEN_UNIT_GEOMETRY)
+uniform usampler2D loden_geometry;  // R32UI, material/model/packed_geometry.h; repeat
+LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;  // repeat
+LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;     // nearest
 #ifdef LODEN_LOOKUP_PAPER
 LODEN_BINDING(LODEN_UNIT_PAPER_REFERENCE) uniform sampler2DArray loden_paper_reference;  // nearest
 LODEN_BINDING(LODEN_UNIT_PAPER_PACKED) uniform sampler2DArray loden_paper_packed;        // repeat, linear
 #endif
 #ifdef LODEN_MODE_SURFACE
-LODEN_BINDING(LODEN_UNIT_NORMAL) uniform sampler2DArray loden_normal;      // repeat, trilinear, as all three
+LODEN_BINDING(LODEN_UNIT_NORMAL) uniform sampler2DArray loden_normal;  // repeat, trilinear, as all three
 LODEN_BINDING(LODEN_UNIT_DIFFUSE) uniform sampler2DArray loden_diffuse;
 LODEN_BINDING(LODEN_UNIT_SPECULAR) uniform sampler2DArray loden_specular;
 #endif
@@ -52,9 +57,11 @@ struct LodenMaterial {
   float lambda_bias;   // added to the footprint's lambda
   float distance_;     // above 0: lambda by LBTF's distance rule, in units at which a texel covers a pixel
   bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
-  // What loden_follow_surface finds out; the defaults stand for a flat surface with unstretched texture coordinates. The
-  // tile length is that of a tile period there: the square root of the area that a tile takes.
-  mat2 curvature;       // of the reference surface: tilt of the normal per tile length, symmetric, positive if convex
+  // What loden_follow_surface finds out; the defaults stand for a flat surface with unstretched texture
+  // coordinates. The tile length is that of a tile period there: the square root of the area that a tile
+  // takes.
+  mat2 curvature;  // of the reference surface: tilt of the normal per tile length, symmetric, positive if
+                   // convex
   mat2 x_from_tangent;  // tile periods per tile length along the tangent frame; of determinant 1
   float tile_length;    // in the renderer's units; the library itself does not read it
 };

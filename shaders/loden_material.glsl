@@ -1,13 +1,14 @@
-// Loden's shader library: evaluates one material. No dependency on any renderer; include this file, or paste what it
-// includes in its place. GLSL 4.40; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block holds
-// is said in loden_shared.h; runtime/stream/material_data.cpp fills it.
-// Defines of a variant (runtime/stream/shader_variants.h lists those in use):
+// Loden's shader library: evaluates one material. No dependency on any renderer; include this file, or paste
+// what it includes in its place. GLSL 4.40; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block
+// holds is said in loden_shared.h; runtime/stream/material_data.cpp fills it. Defines of a variant
+// (runtime/stream/shader_variants.h lists those in use):
 //   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LIGHT_FACTOR                                         a band has a light factor
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
-//   LODEN_NO_BRANCH, LODEN_ALWAYS_LOOKUP                       evaluates closed windows, finds p where no band reads
+//   LODEN_NO_BRANCH, LODEN_ALWAYS_LOOKUP                       evaluates closed windows, finds p where no
+//   band reads
 //                                                              it, to measure the gain of leaving them out
 //
 // Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
@@ -17,14 +18,14 @@
 //   radiance += irradiance * loden_material.value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
 
-#include "loden_shared.h"
-#include "loden_interface.glsl"
-#include "loden_directions.glsl"
-#include "loden_vdim.glsl"
 #include "loden_bands.glsl"
+#include "loden_directions.glsl"
+#include "loden_interface.glsl"
+#include "loden_shared.h"
+#include "loden_vdim.glsl"
 
-// Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that is
-// longer: blur along a stretched footprint is bounded, and so is aliasing.
+// Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that
+// is longer: blur along a stretched footprint is bounded, and so is aliasing.
 float loden_lambda_from_footprint(vec2 dx, vec2 dy) {
   float side = loden_material.side;
   float xx = dot(dx, dx), yy = dot(dy, dy);
@@ -33,35 +34,40 @@ float loden_lambda_from_footprint(vec2 dx, vec2 dy) {
 }
 
 // How many evaluations along a stretched footprint cover it without gaps at that lambda, 1 or 2, and the step
-// between them: tap k of n belongs at x + (k - (n - 1) / 2) step. One alone leaves regular tiles to beat with the
-// pixels in grazing views.
+// between them: tap k of n belongs at x + (k - (n - 1) / 2) step. One alone leaves regular tiles to beat with
+// the pixels in grazing views.
 int loden_footprint_taps(vec2 dx, vec2 dy, out vec2 step_) {
   float xx = dot(dx, dx), yy = dot(dy, dy);
   step_ = 0.5 * (xx > yy ? dx : dy);
   return max(xx, yy) > 2.25 * min(xx, yy) ? 2 : 1;
 }
 
-// Tells m how the reference surface bends and how x lies on it, from screen-space derivatives of x, and of position
-// and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature for this; here the view
-// ray bends instead, in the lookup.
-void loden_follow_surface(inout LodenMaterial m, vec2 dx, vec2 dy, vec3 dp_dx, vec3 dp_dy, vec3 dn_dx, vec3 dn_dy) {
+// Tells m how the reference surface bends and how x lies on it, from screen-space derivatives of x, and of
+// position and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature
+// for this; here the view ray bends instead, in the lookup.
+void loden_follow_surface(inout LodenMaterial m, vec2 dx, vec2 dy, vec3 dp_dx, vec3 dp_dy, vec3 dn_dx,
+                          vec3 dn_dy) {
   float det = dp_dx.x * dp_dy.y - dp_dx.y * dp_dy.x, stretch = dx.x * dy.y - dx.y * dy.x;
   float area = sqrt(dot(dp_dx, dp_dx) * dot(dp_dy, dp_dy));
   float periods = sqrt(abs(stretch / det));  // per unit of position
-  if (!(abs(det) > 1e-3 * area) || !(periods > 0.0) || stretch * det <= 0.0) return;  // edge on, or not mapped to an area
+  if (!(abs(det) > 1e-3 * area) || !(periods > 0.0) || stretch * det <= 0.0)
+    return;  // edge on, or not mapped to an area
   mat2 screen_from_tangent = mat2(dp_dy.y, -dp_dx.y, -dp_dy.x, dp_dx.x) * (1.0 / (det * periods));
   mat2 k = mat2(dn_dx.xy, dn_dy.xy) * screen_from_tangent;
-  vec3 bounded = clamp(vec3(k[0].x, 0.5 * (k[0].y + k[1].x), k[1].y), -LODEN_MAX_CURVATURE, LODEN_MAX_CURVATURE);
+  vec3 bounded =
+      clamp(vec3(k[0].x, 0.5 * (k[0].y + k[1].x), k[1].y), -LODEN_MAX_CURVATURE, LODEN_MAX_CURVATURE);
   m.curvature = mat2(bounded.xy, bounded.yz);
   m.x_from_tangent = mat2(dx, dy) * screen_from_tangent;
   m.tile_length = 1.0 / periods;
 }
 
 // LBTF 3.4, step 2; distance in units at which one texel covers one pixel.
-float loden_lambda_from_distance(float distance_) { return log2(max(distance_, 1e-6)); }
+float loden_lambda_from_distance(float distance_) {
+  return log2(max(distance_, 1e-6));
+}
 
-// Share of the parallax to apply: 1 down to half a texel of the level that is shown, then fading to 0, so that
-// the lookup can be skipped where nothing of it is seen.
+// Share of the parallax to apply: 1 down to half a texel of the level that is shown, then fading to 0, so
+// that the lookup can be skipped where nothing of it is seen.
 float loden_parallax_fade(float lambda, vec3 wo) {
   // Only where P.xy == p is p = x without parallax.
   if ((loden_material.bits & LODEN_IDENTITY) == 0) return 1.0;
@@ -91,7 +97,8 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.tilt = vec2(0.0);
   hit.missed = false;
   hit.lambda = max(max(lambda, m.lambda_min), 0.0);
-  if ((loden_material.bits & LODEN_CLAMP_LAMBDA) != 0) hit.lambda = min(hit.lambda, loden_material.lambda_max);
+  if ((loden_material.bits & LODEN_CLAMP_LAMBDA) != 0)
+    hit.lambda = min(hit.lambda, loden_material.lambda_max);
 #if defined(LODEN_LOOKUP_PAPER)
   hit.p = loden_paper_vdim_lookup(x, wo);
 #elif defined(LODEN_LOOKUP_DEFAULT) || defined(LODEN_LOOKUP_FAST)
@@ -114,7 +121,8 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
 }
 
 LodenHit loden_find_hit(LodenMaterial m, vec2 x, vec2 dx, vec2 dy, vec3 wo_ts) {
-  float lambda = m.distance_ > 0.0 ? loden_lambda_from_distance(m.distance_) : loden_lambda_from_footprint(dx, dy);
+  float lambda =
+      m.distance_ > 0.0 ? loden_lambda_from_distance(m.distance_) : loden_lambda_from_footprint(dx, dy);
   return loden_find_hit_at(m, x, lambda + m.lambda_bias, wo_ts);
 }
 
@@ -171,7 +179,8 @@ vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
 }
 #endif
 
-// A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus tilt.
+// A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus
+// tilt.
 vec3 loden_tilted(vec2 tilt, vec3 w) {
   vec3 turned = vec3(w.xy - tilt * w.z, w.z + dot(tilt, w.xy));
   return turned / sqrt(dot(turned, turned));
@@ -183,8 +192,8 @@ mat3 loden_hit_frame(LodenHit hit, mat3 frame) {
               normalize(hit.tilt.x * frame[0] + hit.tilt.y * frame[1] + frame[2]));
 }
 
-// Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's values
-// leave the cosine out. Not negative: where a fit undershoots black, 0.
+// Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's
+// values leave the cosine out. Not negative: where a fit undershoots black, 0.
 vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   wi_ts = loden_tilted(hit.tilt, wi_ts);
   wo_ts = loden_tilted(hit.tilt, wo_ts);

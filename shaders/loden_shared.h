@@ -3,7 +3,8 @@
 #ifndef LODEN_SHARED_H
 #define LODEN_SHARED_H
 
-#define LODEN_MAX_BANDS 8   // that one shader reads; files may hold more (LODEN limits in material/asset/asset.h)
+#define LODEN_MAX_BANDS \
+  8  // that one shader reads; files may hold more (LODEN limits in material/asset/asset.h)
 #define LODEN_MAX_QUADS 16  // of one band
 
 #define LODEN_MAX_CURVATURE 1.0  // of a reference surface that the lookup follows, per tile length
@@ -12,8 +13,9 @@
 #define LODEN_ENVIRONMENT_BASIS 6   // functions over the hemisphere
 #define LODEN_ENVIRONMENT_THETAS 6  // views of the mean
 
-// Texture units, from LODEN_FIRST_UNIT on; `bands` is the variant's LODEN_BANDS, at which the arrays of weights, tables and
-// environment tables end. Surface maps and bands never meet in one variant: a surface takes the units of one band.
+// Texture units, from LODEN_FIRST_UNIT on; `bands` is the variant's LODEN_BANDS, at which the arrays of
+// weights, tables and environment tables end. Surface maps and bands never meet in one variant: a surface
+// takes the units of one band.
 #ifndef LODEN_FIRST_UNIT
 #define LODEN_FIRST_UNIT 0
 #endif
@@ -38,16 +40,16 @@
 #define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer
 
 // Bits of LodenBandData.bits
-#define LODEN_BAND_FLAT 1     // weights are read at p, else at x
-#define LODEN_BAND_LINEAR 2   // filtered weights, else nearest
-#define LODEN_BAND_RATIO 4    // one more layer of weights: Cb/Y and Cr/Y
-#define LODEN_BAND_LIGHT 8    // a light factor; of one band at most
+#define LODEN_BAND_FLAT 1    // weights are read at p, else at x
+#define LODEN_BAND_LINEAR 2  // filtered weights, else nearest
+#define LODEN_BAND_RATIO 4   // one more layer of weights: Cb/Y and Cr/Y
+#define LODEN_BAND_LIGHT 8   // a light factor; of one band at most
 // Bits of LodenMaterialData.bits
-#define LODEN_MEAN_RATIO 1            // the mean's chroma is a multiple of its Y
-#define LODEN_COSINE_INCLUDED 2       // values contain cos(theta_i)
-#define LODEN_IDENTITY 4              // P.xy == p: no closest-point volume
-#define LODEN_CLAMP_LAMBDA 8          // mode lod: beyond the last level the last level stays (LBTF 3.4, step 2)
-#define LODEN_SPECULAR 16             // mode surface: some highlight is worth its map
+#define LODEN_MEAN_RATIO 1       // the mean's chroma is a multiple of its Y
+#define LODEN_COSINE_INCLUDED 2  // values contain cos(theta_i)
+#define LODEN_IDENTITY 4         // P.xy == p: no closest-point volume
+#define LODEN_CLAMP_LAMBDA 8     // mode lod: beyond the last level the last level stays (LBTF 3.4, step 2)
+#define LODEN_SPECULAR 16        // mode surface: some highlight is worth its map
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>
@@ -61,15 +63,15 @@ using vec4 = glm::vec4;
 struct LodenBandData {
   vec4 window;  // in_begin, 1 / (in_end - in_begin), out_end, 1 / (out_end - out_begin)
 
-  float lambda_first;    // of mip 0 of the weights
+  float lambda_first;  // of mip 0 of the weights
   float last_mip;
-  float side;            // texels of mip 0
-  float per_table_depth; // 1 / slices of the table
+  float side;             // texels of mip 0
+  float per_table_depth;  // 1 / slices of the table
 
   vec2 grid;      // thetas, phis of the table; of nearest tables: of the views for the environment
   vec2 per_grid;  // 1 / thetas^2, 1 / phis
 
-  int bits;         // LODEN_BAND_...
+  int bits;  // LODEN_BAND_...
   int y_quads;
   int chroma_quads;
   int ratio_layer;  // of the weights
@@ -104,8 +106,8 @@ struct LodenMaterialData {
   vec2 paper_range;  // of the paper's VDIM
   vec2 paper_size;   // zeniths, azimuths
 
-  float value_scale;      // of what loden_evaluate and loden_evaluate_environment return
-  float side;             // reference texels
+  float value_scale;  // of what loden_evaluate and loden_evaluate_environment return
+  float side;         // reference texels
   float lambda_max;
   float resident_lambda;  // the smallest: the shader clamps to it
 
@@ -119,7 +121,8 @@ struct LodenMaterialData {
 
 #ifdef __cplusplus
 static_assert(sizeof(LodenBandData) == 16 * (6 + LODEN_MAX_QUADS));
-static_assert(sizeof(LodenMaterialData) == 16 * (8 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
+static_assert(sizeof(LodenMaterialData) ==
+              16 * (8 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden
 #endif
 

@@ -1,11 +1,12 @@
 // View-dependent indirection: p = VDIM(x, wo). Mirrors material/eval/vdim_lookup.cpp name for name.
-// Default: 3 gathers for 12 depths, then per candidate 1 fetch (none on identity parameterizations) and a gather per
-// patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates. A ray that bends much does so for several anchors.
+// Default: 3 gathers for 12 depths, then per candidate 1 fetch (none on identity parameterizations) and a
+// gather per patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates. A ray that bends much does
+// so for several anchors.
 
-const float LODEN_REACH = 3.0;               // texels
-const float LODEN_INSIDE = 0.2;              // texels
-const float LODEN_RESIDUAL = 0.2;            // texels
-const float LODEN_BENT_RESIDUAL = 0.1;       // texels
+const float LODEN_REACH = 3.0;          // texels
+const float LODEN_INSIDE = 0.2;         // texels
+const float LODEN_RESIDUAL = 0.2;       // texels
+const float LODEN_BENT_RESIDUAL = 0.1;  // texels
 const int LODEN_PATCHES = 5;
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
@@ -13,7 +14,7 @@ const float LODEN_NONE = -1e8;               // below every depth
 const int LODEN_ANCHORS = 6;                 // along a bent ray
 const float LODEN_STRAIGHT = 0.2;            // change of the descent that needs no more than one
 const float LODEN_LEAST_DESCENT = 0.02;
-const float LODEN_SHALLOW = 0.5;             // of the depth range
+const float LODEN_SHALLOW = 0.5;  // of the depth range
 
 #ifdef LODEN_LOOKUP_FAST
 const int LODEN_LAYERS = 1, LODEN_CANDIDATES = 5;
@@ -23,15 +24,16 @@ const int LODEN_LAYERS = 3, LODEN_CANDIDATES = 16;
 
 struct LodenVdimHit {
   vec2 p;        // unwrapped
-  vec2 offset;    // of the point from x, tile periods
-  float height;   // of the point above the tangent plane at x
+  vec2 offset;   // of the point from x, tile periods
+  float height;  // of the point above the tangent plane at x
   bool converged;
-  bool missed;    // the ray goes by a convex surface
+  bool missed;  // the ray goes by a convex surface
 };
 
-// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent. Where
-// the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h slope from x along
-// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at h = -1 / bend and leaves again.
+// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent.
+// Where the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h
+// slope from x along the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at h = -1
+// / bend and leaves again.
 struct LodenViewRay {
   vec2 x;      // in [0, 1)^2
   vec2 slope;  // wo.xy / wo.z, tile periods per tile length
@@ -50,23 +52,34 @@ LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
                       m.curvature != mat2(0.0));
 }
 
-float loden_ray_z(LodenViewRay ray, float h) { return h + 0.5 * ray.bend * h * h; }
+float loden_ray_z(LodenViewRay ray, float h) {
+  return h + 0.5 * ray.bend * h * h;
+}
 
 // h on the way down to z; of the turning point if the ray never gets there.
-float loden_ray_height(LodenViewRay ray, float z) { return 2.0 * z / (1.0 + sqrt(max(1.0 + 2.0 * ray.bend * z, 0.0))); }
+float loden_ray_height(LodenViewRay ray, float z) {
+  return 2.0 * z / (1.0 + sqrt(max(1.0 + 2.0 * ray.bend * z, 0.0)));
+}
 
 // From x to there.
-vec2 loden_ray_offset(LodenViewRay ray, float h) { return (ray.slope - loden_ray_z(ray, h) * ray.turn) * h; }
+vec2 loden_ray_offset(LodenViewRay ray, float h) {
+  return (ray.slope - loden_ray_z(ray, h) * ray.turn) * h;
+}
 
 // Growth with h: of z, and of the offset.
-float loden_ray_descent(LodenViewRay ray, float h) { return 1.0 + ray.bend * h; }
+float loden_ray_descent(LodenViewRay ray, float h) {
+  return 1.0 + ray.bend * h;
+}
 vec2 loden_ray_drift(LodenViewRay ray, float h) {
   return ray.slope - (loden_ray_z(ray, h) + loden_ray_descent(ray, h) * h) * ray.turn;
 }
 
-bool loden_on_its_way_out(LodenViewRay ray, float h) { return loden_ray_descent(ray, h) < 0.0; }
+bool loden_on_its_way_out(LodenViewRay ray, float h) {
+  return loden_ray_descent(ray, h) < 0.0;
+}
 
-// A straight ray that stands for a bent one: at height z it is at x, and level with the bent one's point at h.
+// A straight ray that stands for a bent one: at height z it is at x, and level with the bent one's point at
+// h.
 struct LodenStraightRay {
   vec2 x, slope;
   float z, h, h_per_z;
@@ -74,17 +87,21 @@ struct LodenStraightRay {
 
 // Through the ray's point at h and in its direction, but for how fast it goes down.
 LodenStraightRay loden_straight_at(LodenViewRay ray, float h, float descent) {
-  return LodenStraightRay(ray.x + loden_ray_offset(ray, h), loden_ray_drift(ray, h) / descent, loden_ray_z(ray, h), h, 1.0 / descent);
+  return LodenStraightRay(ray.x + loden_ray_offset(ray, h), loden_ray_drift(ray, h) / descent,
+                          loden_ray_z(ray, h), h, 1.0 / descent);
 }
 
 // The tangent, or nearly so where the ray turns.
 LodenStraightRay loden_tangent_ray(LodenViewRay ray, float h) {
   if (!ray.bent) return LodenStraightRay(ray.x, ray.slope, 0.0, 0.0, 1.0);
   float descent = loden_ray_descent(ray, h);
-  return loden_straight_at(ray, h, loden_on_its_way_out(ray, h) ? min(descent, -LODEN_LEAST_DESCENT) : max(descent, LODEN_LEAST_DESCENT));
+  return loden_straight_at(
+      ray, h,
+      loden_on_its_way_out(ray, h) ? min(descent, -LODEN_LEAST_DESCENT) : max(descent, LODEN_LEAST_DESCENT));
 }
 
-// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is read. Elsewhere x alone.
+// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is
+// read. Elsewhere x alone.
 struct LodenRayPath {
   float end;  // h where the ray is below the tile, or above it again
   int anchors;
@@ -95,28 +112,34 @@ LodenRayPath loden_ray_path(LodenViewRay ray, float range) {
   return LodenRayPath(end, ray.bend * end > -LODEN_STRAIGHT ? 1 : LODEN_ANCHORS);
 }
 
-// What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from each the tangent,
-// but no more grazing than the atlas's views. That is below the ray, and what it meets not behind what the ray meets.
+// What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from
+// each the tangent, but no more grazing than the atlas's views. That is below the ray, and what it meets not
+// behind what the ray meets.
 LodenStraightRay loden_seed_ray(LodenViewRay ray, LodenRayPath path, float range, int anchor) {
   if (path.anchors == 1) {
     float z = max(-0.5 * range, -0.45 / max(ray.bend, 1e-6));
-    return LodenStraightRay(ray.x, z < 0.0 ? loden_ray_offset(ray, loden_ray_height(ray, z)) / z : ray.slope, 0.0, 0.0, 1.0);
+    return LodenStraightRay(ray.x, z < 0.0 ? loden_ray_offset(ray, loden_ray_height(ray, z)) / z : ray.slope,
+                            0.0, 0.0, 1.0);
   }
   float h = path.end * (float(anchor) / float(LODEN_ANCHORS));
   vec2 drift = loden_ray_drift(ray, h);
-  return loden_straight_at(ray, h, max(loden_ray_descent(ray, h), sqrt(dot(drift, drift)) * (LODEN_VDIM_COS / LODEN_VDIM_SIN)));
+  return loden_straight_at(
+      ray, h, max(loden_ray_descent(ray, h), sqrt(dot(drift, drift)) * (LODEN_VDIM_COS / LODEN_VDIM_SIN)));
 }
 
 // h of the ray where its straight ray is at the depth z.
 float loden_seed_height(LodenViewRay ray, LodenRayPath path, LodenStraightRay line, float z) {
   if (!ray.bent) return z;
-  return path.anchors == 1 ? loden_ray_height(ray, z) : clamp(line.h + line.h_per_z * (z - line.z), path.end, 0.0);
+  return path.anchors == 1 ? loden_ray_height(ray, z)
+                           : clamp(line.h + line.h_per_z * (z - line.z), path.end, 0.0);
 }
 
-vec3 loden_view_along(vec2 slope) { return vec3(slope, 1.0) / sqrt(1.0 + dot(slope, slope)); }
+vec3 loden_view_along(vec2 slope) {
+  return vec3(slope, 1.0) / sqrt(1.0 + dot(slope, slope));
+}
 
-// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
-// across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
+// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the
+// one across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
 struct LodenNearestLayers {
   ivec3 index;
   vec3 weight;
@@ -187,7 +210,9 @@ LodenPatch loden_fetch_patch(vec2 base) {
   return patch_;
 }
 
-vec2 loden_shear(vec3 p, vec2 shift, LodenStraightRay line) { return p.xy + shift - line.slope * (p.z - line.z) - line.x; }
+vec2 loden_shear(vec3 p, vec2 shift, LodenStraightRay line) {
+  return p.xy + shift - line.slope * (p.z - line.z) - line.x;
+}
 
 // One step of Newton's method on Q(a, b) = q00 + q10 a + q01 b + q11 a b = 0, kept within the bounds. Returns
 // det Q', which has the sign of N.wo.
@@ -203,10 +228,11 @@ float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2
 // What a patch says about the ray.
 const int LODEN_AWAY = 0, LODEN_NEAR = 1, LODEN_HERE = 2;
 
-// Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is wanted.
-// A ray that turned to the back of the surface is away from what the viewer sees. h: where the search is on the ray, before
-// and after; miss: by how many texels the ray fails to meet a patch that faces it.
-int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab, inout float h, out float miss) {
+// Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is
+// wanted. A ray that turned to the back of the surface is away from what the viewer sees. h: where the search
+// is on the ray, before and after; miss: by how many texels the ray fails to meet a patch that faces it.
+int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab,
+                     inout float h, out float miss) {
   LodenStraightRay line = loden_tangent_ray(ray, h);
   vec2 q00 = loden_shear(patch_.p00, shift, line);
   vec2 q10 = loden_shear(patch_.p10, shift, line) - q00;
@@ -240,10 +266,10 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
   return faces ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
 }
 
-// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the ray meets
-// from behind, unless patient. found = (p, h, 1) where it converges, or else (p, h, -miss) of the smallest miss so far.
-// What leaves the loop is carried through every iteration on purpose: llvmpipe (Mesa 22.3) hands out the last iteration's
-// values of anything else, also to invocations that left before.
+// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the
+// ray meets from behind, unless patient. found = (p, h, 1) where it converges, or else (p, h, -miss) of the
+// smallest miss so far. What leaves the loop is carried through every iteration on purpose: llvmpipe
+// (Mesa 22.3) hands out the last iteration's values of anything else, also to invocations that left before.
 void loden_search_from(LodenViewRay ray, float h, vec2 p, bool patient, inout vec4 found) {
   float n = loden_material.geometry_side;
   vec2 point = ray.x + loden_ray_offset(ray, h);
@@ -310,7 +336,8 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   int anchor = 0;
   do {
     LodenStraightRay line = loden_seed_ray(ray, path, range, anchor);
-    LodenNearestLayers layers = loden_nearest_layers(loden_material.atlas_directions, loden_vdim_square_from_view(loden_view_along(line.slope)));
+    LodenNearestLayers layers = loden_nearest_layers(
+        loden_material.atlas_directions, loden_vdim_square_from_view(loden_view_along(line.slope)));
     vec2 entry = line.x - line.slope * line.z;  // where it meets the plane
     if (ray.bent) entry -= floor(entry);
     LodenDepths depths;
@@ -319,8 +346,8 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
     depths.layer[1] = loden_gather_seeds(ray, path, line, entry, layers.index.y);
     depths.layer[2] = loden_gather_seeds(ray, path, line, entry, layers.index.z);
 #endif
-    // First the blended depth of the topmost surface, at the first anchor; then single depths from the one nearest to the
-    // viewer down; then, where there is no other anchor, these once more with patience.
+    // First the blended depth of the topmost surface, at the first anchor; then single depths from the one
+    // nearest to the viewer down; then, where there is no other anchor, these once more with patience.
     float top = loden_highest_below(depths, 1.0);
     float depth = range * line.h_per_z;
     float h = top, below = top - LODEN_SEPARATION * depth;
@@ -363,7 +390,8 @@ vec2 loden_paper_vdim_lookup(vec2 x, vec3 wo) {
   vec2 texel = min(floor((x - floor(x)) * side), vec2(side - 1.0));
   LODEN_COUNT(LODEN_UNIT_PAPER_REFERENCE, 1);
   LODEN_COUNT(LODEN_UNIT_PAPER_PACKED, 1);
-  vec2 reference = texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper_range.x;
+  vec2 reference =
+      texelFetch(loden_paper_reference, ivec3(ivec2(texel), 0), 0).xy * loden_material.paper_range.x;
   // Not by acos, which GPUs compute to 1e-4 only: entries of neighbouring views may be whole periods apart.
   float theta = min(atan(sqrt(wo.x * wo.x + wo.y * wo.y), wo.z), 85.0 * LODEN_PI / 180.0);
   float phi = wo.x == 0.0 && wo.y == 0.0 ? 0.0 : atan(wo.y, wo.x);

@@ -1,4 +1,5 @@
-// Where a fragment of a mesh lies once its tile's relief counts: one rule for pre-pass, shadow map and shading pass.
+// Where a fragment of a mesh lies once its tile's relief counts: one rule for pre-pass, shadow map and
+// shading pass.
 
 layout(location = 0) in vec3 position_ws;
 layout(location = 1) in vec3 normal_ws;
@@ -38,7 +39,8 @@ SurfaceShape surfaceShape(mat3 frame) {
                       distance(scene.camera_exposure.xyz, position_ws));
 }
 
-// The direction in the tangent frame, kept above the horizon: interpolated normals may face away at silhouettes.
+// The direction in the tangent frame, kept above the horizon: interpolated normals may face away at
+// silhouettes.
 vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
   vec3 wo = wo_ws * frame;
   wo.z = max(wo.z, 0.02);
@@ -46,10 +48,14 @@ vec3 viewInFrame(mat3 frame, vec3 wo_ws) {
 }
 
 // Where the ray along wo_ws meets the tile, at height z (metres, <= 0) over the tangent plane.
-vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) { return position_ws + wo_ws * (z / wo.z); }
+vec3 displacedPosition(vec3 wo_ws, vec3 wo, float z) {
+  return position_ws + wo_ws * (z / wo.z);
+}
 
 // Tile coordinate of one evaluation of several along a fragment's footprint (surfaceTaps).
-vec2 tapX(int tap, int taps, vec2 step_) { return tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_; }
+vec2 tapX(int tap, int taps, vec2 step_) {
+  return tile_x + (float(tap) - 0.5 * float(taps - 1)) * step_;
+}
 
 // Depth of a point in the frame's own view.
 float depthOf(vec3 position) {

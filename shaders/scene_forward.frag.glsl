@@ -1,9 +1,9 @@
 // Shades a mesh: with its Loden material if the variant has one, else with the base material's factors.
-#include "scene_shared.h"
+#include "scene_displaced.glsl"
 #include "scene_interface.glsl"
 #include "scene_lights.glsl"
+#include "scene_shared.h"
 #include "scene_surface.glsl"
-#include "scene_displaced.glsl"
 
 layout(location = 0) out vec4 color;
 
@@ -22,8 +22,9 @@ float sunVisibility(vec3 position, vec3 normal) {
 #endif
 }
 
-// Radiance towards the viewer from the surface at tile coordinate x, all lights together. Where depth is written, taps whose
-// ray meets nothing are left out, and the last that meets something gives the depth, as in the pre-pass.
+// Radiance towards the viewer from the surface at tile coordinate x, all lights together. Where depth is
+// written, taps whose ray meets nothing are left out, and the last that meets something gives the depth, as
+// in the pre-pass.
 vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws, vec3 wo) {
   SurfacePoint point = surfacePoint(x, dx, dy, shape, wo);
   float z = 0.0;
@@ -41,8 +42,8 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws,
   if ((scene.flags.x & SCENE_SUN) != 0) {
     vec3 wi = scene.sun_direction.xyz * frame;
     if (wi.z > 0.0) {
-      // Asked for where the ray to the sun leaves the tile: what happens below the reference plane is part of the
-      // material's own values.
+      // Asked for where the ray to the sun leaves the tile: what happens below the reference plane is part of
+      // the material's own values.
       vec3 exit_ = position - scene.sun_direction.xyz * (z / max(wi.z, 0.1));
       float visible = sunVisibility(exit_, frame[2]);
       if (visible > 0.0) radiance += scene.sun_irradiance.rgb * visible * surfaceRadiance(point, wi, wo);

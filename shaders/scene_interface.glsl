@@ -1,3 +1,7 @@
 // The sample renderer's uniform blocks.
-layout(std140, binding = SCENE_BLOCK_FRAME) uniform SceneFrameBlock { SceneFrame scene; };
-layout(std140, binding = SCENE_BLOCK_OBJECT) uniform SceneObjectBlock { SceneObject object; };
+layout(std140, binding = SCENE_BLOCK_FRAME) uniform SceneFrameBlock {
+  SceneFrame scene;
+};
+layout(std140, binding = SCENE_BLOCK_OBJECT) uniform SceneObjectBlock {
+  SceneObject object;
+};

@@ -2,8 +2,8 @@
 
 layout(binding = SCENE_UNIT_SHADOW) uniform sampler2DShadow scene_shadow;
 
-// Share of the sun that reaches a point, over 3 x 3 filtered shadow texels. The point is moved along the normal by
-// what one texel can hide.
+// Share of the sun that reaches a point, over 3 x 3 filtered shadow texels. The point is moved along the
+// normal by what one texel can hide.
 float sceneSunVisibility(vec3 position, vec3 normal) {
   if ((scene.flags.x & SCENE_SHADOWS) == 0) return 1.0;
   float slope = 1.0 - clamp(dot(normal, scene.sun_direction.xyz), 0.0, 1.0);
@@ -11,7 +11,8 @@ float sceneSunVisibility(vec3 position, vec3 normal) {
   vec3 c = (scene.shadow_from_world * vec4(moved, 1.0)).xyz;
   vec2 texel = 1.0 / vec2(textureSize(scene_shadow, 0));
   float lit = 0.0;
-  for (int k = 0; k < 9; ++k) lit += texture(scene_shadow, vec3(c.xy + texel * (vec2(k % 3, k / 3) - 1.0), c.z));
+  for (int k = 0; k < 9; ++k)
+    lit += texture(scene_shadow, vec3(c.xy + texel * (vec2(k % 3, k / 3) - 1.0), c.z));
   return lit / 9.0;
 }
 
@@ -28,7 +29,8 @@ vec3 sceneLight(int index, vec3 position, out vec3 irradiance) {
   }
   if (light.intensity_kind.w > 0.0) {
     float cosine = dot(-direction, light.direction_outer.xyz);
-    float inside = clamp((cosine - light.direction_outer.w) / max(light.inner.x - light.direction_outer.w, 1e-4), 0.0, 1.0);
+    float inside = clamp(
+        (cosine - light.direction_outer.w) / max(light.inner.x - light.direction_outer.w, 1e-4), 0.0, 1.0);
     falloff *= inside * inside;
   }
   irradiance = light.intensity_kind.rgb * falloff;

@@ -1,8 +1,8 @@
 // Depth of a relief: in the pre-pass as the camera meets it, in the shadow map as the sun's rays do.
-#include "scene_shared.h"
-#include "scene_interface.glsl"
-#include "scene_surface.glsl"
 #include "scene_displaced.glsl"
+#include "scene_interface.glsl"
+#include "scene_shared.h"
+#include "scene_surface.glsl"
 
 void main() {
   bool from_sun = (scene.flags.x & SCENE_SUN_VIEW) != 0;
@@ -20,8 +20,8 @@ void main() {
     point = surfacePoint(tapX(--tap, taps, step_), dx, dy, shape, wo);
   } while (surfaceMissed(point) && tap > 0);
   if (surfaceMissed(point)) discard;
-  // Pushed away: by a texel of the shadow map, as polygon offset does where depth is not written by hand; in the pre-pass
-  // by what two programs may round apart.
+  // Pushed away: by a texel of the shadow map, as polygon offset does where depth is not written by hand; in
+  // the pre-pass by what two programs may round apart.
   float away = from_sun ? scene.sun_direction.w : 1e-4 * length(to_camera);
   gl_FragDepth = depthOf(displacedPosition(to_viewer, wo, surfaceDepth(point)) - to_viewer * away);
 }

@@ -1,8 +1,9 @@
-// Shared by C++ and GLSL: what the sample renderer's shaders read beside a material. Another engine has its own.
+// Shared by C++ and GLSL: what the sample renderer's shaders read beside a material. Another engine has its
+// own.
 #ifndef LODEN_SCENE_SHARED_H
 #define LODEN_SCENE_SHARED_H
 
-#define SCENE_BLOCK_FRAME 1   // uniform block bindings, behind the material's
+#define SCENE_BLOCK_FRAME 1  // uniform block bindings, behind the material's
 #define SCENE_BLOCK_OBJECT 2
 #define SCENE_UNIT_SHADOW 29  // texture units, behind those of any material
 
@@ -13,9 +14,9 @@
 // Bits of SceneFrame.flags.x
 #define SCENE_SUN 1
 #define SCENE_SHADOWS 2
-#define SCENE_FILMIC 4          // tone curve; without it colours are clipped
+#define SCENE_FILMIC 4  // tone curve; without it colours are clipped
 #define SCENE_LAMBDA_OVERRIDE 8
-#define SCENE_SUN_VIEW 16       // the sun's view, for the shadow map
+#define SCENE_SUN_VIEW 16  // the sun's view, for the shadow map
 #define SCENE_LAMBDA_DISTANCE 32
 
 // Bits of SceneObject.flags.x
@@ -31,38 +32,40 @@ using glm::vec4;
 
 // std140: only vec4, ivec4 and mat4, so that both languages agree.
 struct SceneLight {
-  vec4 position_range;    // world, metres; range 0: no end
-  vec4 intensity_kind;    // linear RGB radiant intensity; w 1 for a spot light
-  vec4 direction_outer;   // the way its light travels; cosine of the outer cone
-  vec4 inner;             // cosine of the inner cone, unused x 3
+  vec4 position_range;   // world, metres; range 0: no end
+  vec4 intensity_kind;   // linear RGB radiant intensity; w 1 for a spot light
+  vec4 direction_outer;  // the way its light travels; cosine of the outer cone
+  vec4 inner;            // cosine of the inner cone, unused x 3
 };
 
 struct SceneFrame {
   mat4 clip_from_world;
-  mat4 shadow_from_world;   // texture coordinates and depth of the shadow map
-  vec4 camera_exposure;     // world position; factor before the tone curve
-  vec4 sun_direction;       // unit, towards the sun; w: side of a shadow texel, metres
-  vec4 sun_irradiance;      // linear RGB on a surface that faces it
-  vec4 environment[9];      // as loden_hemisphere_light takes it
-  vec4 environment_suns[2 * SCENE_MAX_SUNS];  // each: unit direction towards it; linear RGB irradiance facing it
-  ivec4 flags;              // bits, number of the environment's suns, 1 if the rest of it gives light, unused
-  vec4 lambda;              // override; metres across a pixel at 1 m, for the distance rule; unused x 2
+  mat4 shadow_from_world;  // texture coordinates and depth of the shadow map
+  vec4 camera_exposure;    // world position; factor before the tone curve
+  vec4 sun_direction;      // unit, towards the sun; w: side of a shadow texel, metres
+  vec4 sun_irradiance;     // linear RGB on a surface that faces it
+  vec4 environment[9];     // as loden_hemisphere_light takes it
+  vec4 environment_suns[2 *
+                        SCENE_MAX_SUNS];  // each: unit direction towards it; linear RGB irradiance facing it
+  ivec4 flags;  // bits, number of the environment's suns, 1 if the rest of it gives light, unused
+  vec4 lambda;  // override; metres across a pixel at 1 m, for the distance rule; unused x 2
   SceneLight lights[SCENE_MAX_LIGHTS];
 };
 
 struct SceneObject {
   mat4 world_from_local;
-  mat4 normal_from_local;     // inverse transpose of its upper 3 x 3
-  vec4 base_color_metallic;   // of the fallback
+  mat4 normal_from_local;    // inverse transpose of its upper 3 x 3
+  vec4 base_color_metallic;  // of the fallback
   vec4 emissive_roughness;
-  vec4 tile;                  // metres per tile period, where its texture coordinates are not stretched; unused x 3
-  ivec4 flags;                // bits, number of lights, 1 or -1 if the transform mirrors, unused
-  ivec4 lights[2];            // indices into SceneFrame.lights
+  vec4 tile;        // metres per tile period, where its texture coordinates are not stretched; unused x 3
+  ivec4 flags;      // bits, number of lights, 1 or -1 if the transform mirrors, unused
+  ivec4 lights[2];  // indices into SceneFrame.lights
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(SceneLight) == 64);
-static_assert(sizeof(SceneFrame) == 2 * 64 + (14 + 2 * SCENE_MAX_SUNS) * 16 + SCENE_MAX_LIGHTS * sizeof(SceneLight));
+static_assert(sizeof(SceneFrame) ==
+              2 * 64 + (14 + 2 * SCENE_MAX_SUNS) * 16 + SCENE_MAX_LIGHTS * sizeof(SceneLight));
 static_assert(sizeof(SceneObject) == 2 * 64 + 6 * 16);
 static_assert(SCENE_MAX_OBJECT_LIGHTS == 8);
 }  // namespace loden::runtime

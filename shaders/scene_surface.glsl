@@ -1,6 +1,7 @@
 // How a surface answers to light: radiance = irradiance * surfaceRadiance. One of two.
 
-// Screen-space derivatives of a mesh, in its tangent frame: of position (metres) and unit normal; and how far away it is (metres).
+// Screen-space derivatives of a mesh, in its tangent frame: of position (metres) and unit normal; and how far
+// away it is (metres).
 struct SurfaceShape {
   vec3 dp_dx, dp_dy, dn_dx, dn_dy;
   float away;
@@ -25,7 +26,8 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
   loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
 #endif
 #ifdef SCENE_PARALLAX_DEPTH
-  point.material.skip_parallax = false;  // seen from above a relief moves nothing sideways, but is deep all the same
+  point.material.skip_parallax =
+      false;  // seen from above a relief moves nothing sideways, but is deep all the same
 #endif
   if ((scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0)
     point.hit = loden_find_hit_at(point.material, x, scene.lambda.x, wo);
@@ -41,10 +43,14 @@ int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) {
 }
 
 // Height of the hit over the tangent plane, metres, <= 0.
-float surfaceDepth(SurfacePoint point) { return point.hit.depth * point.material.tile_length; }
+float surfaceDepth(SurfacePoint point) {
+  return point.hit.depth * point.material.tile_length;
+}
 
 // True where the view ray leaves the tile again without meeting it.
-bool surfaceMissed(SurfacePoint point) { return point.hit.missed; }
+bool surfaceMissed(SurfacePoint point) {
+  return point.hit.missed;
+}
 
 // Per unit irradiance.
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
@@ -54,7 +60,8 @@ vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
 // Radiance from the environment's light over the frame's hemisphere.
 vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
   LodenHemisphere light = loden_hemisphere_light(scene.environment, loden_hit_frame(point.hit, frame));
-  return loden_evaluate_environment(point.material, point.hit, light, wo) * (LODEN_PI * loden_material.value_scale);
+  return loden_evaluate_environment(point.material, point.hit, light, wo) *
+         (LODEN_PI * loden_material.value_scale);
 }
 
 #else
@@ -78,22 +85,28 @@ int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) {
   return 1;
 }
 
-float surfaceDepth(SurfacePoint point) { return 0.0; }
+float surfaceDepth(SurfacePoint point) {
+  return 0.0;
+}
 
-bool surfaceMissed(SurfacePoint point) { return false; }
+bool surfaceMissed(SurfacePoint point) {
+  return false;
+}
 
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);
   float nh = max(h.z, 0.0), a2 = point.alpha * point.alpha;
   float d = nh * nh * (a2 - 1.0) + 1.0;
   float distribution = a2 / (kPi * d * d);
-  float visibility = 0.5 / max(wi.z * sqrt(wo.z * wo.z * (1.0 - a2) + a2) + wo.z * sqrt(wi.z * wi.z * (1.0 - a2) + a2), 1e-5);
+  float visibility =
+      0.5 /
+      max(wi.z * sqrt(wo.z * wo.z * (1.0 - a2) + a2) + wo.z * sqrt(wi.z * wi.z * (1.0 - a2) + a2), 1e-5);
   vec3 fresnel = point.f0 + (1.0 - point.f0) * pow(1.0 - max(dot(wo, h), 0.0), 5.0);
   return ((1.0 - fresnel) * point.diffuse / kPi + fresnel * distribution * visibility) * wi.z;
 }
 
-// L(w) of one colour channel, its orders 1 and 2 scaled: 2/3 and 1/4 give the irradiance on w over pi (Ramamoorthi and
-// Hanrahan 2001, eq. 8).
+// L(w) of one colour channel, its orders 1 and 2 scaled: 2/3 and 1/4 give the irradiance on w over pi
+// (Ramamoorthi and Hanrahan 2001, eq. 8).
 float environmentAt(int channel, vec3 w, float first, float second) {
   vec4 linear = scene.environment[3 * channel];
   vec3 d = scene.environment[3 * channel + 1].xyz, o = scene.environment[3 * channel + 2].xyz;

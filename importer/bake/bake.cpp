@@ -9,13 +9,13 @@
 
 #include "importer/bake/bake_folder.h"
 #include "importer/bake/bake_scene.h"
-#include "importer/tile/charts.h"
-#include "importer/base/parallel.h"
-#include "importer/mesh/parameterize.h"
-#include "importer/base/progress.h"
-#include "importer/base/random.h"
 #include "importer/bake/surface_samples.h"
 #include "importer/bake/view_fill.h"
+#include "importer/base/parallel.h"
+#include "importer/base/progress.h"
+#include "importer/base/random.h"
+#include "importer/mesh/parameterize.h"
+#include "importer/tile/charts.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -33,26 +33,33 @@ Status checkOptions(const BakeOptions& o) {
   for (const int side : {o.size, o.flat_size, o.geometry_size})
     if (side < 0 || side > 4096) return refuse("--size", "must be 1 to 4096 texels");
   if (o.size < 1) return refuse("--size", "must be 1 to 4096 texels");
-  if (o.supersample < 1 || o.supersample > 16) return refuse("--supersample", "must be 1 to 16 samples per side");
+  if (o.supersample < 1 || o.supersample > 16)
+    return refuse("--supersample", "must be 1 to 16 samples per side");
   if (o.bounces < 0 || o.bounces > 16) return refuse("--bounces", "must be 0 to 16");
-  if (o.shards < 1 || o.shard < 0 || o.shard >= o.shards) return refuse("--shard", "must be I/N with 0 <= I < N");
+  if (o.shards < 1 || o.shard < 0 || o.shard >= o.shards)
+    return refuse("--shard", "must be I/N with 0 <= I < N");
   for (const glm::ivec2& v : o.vdims)
-    if (v.x < 2 || v.y < 2 || v.x > kMaxVdimSide || v.y > kMaxVdimSide) return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
+    if (v.x < 2 || v.y < 2 || v.x > kMaxVdimSide || v.y > kMaxVdimSide)
+      return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
   for (const int side : o.concentric_vdims)
-    if (side < 1 || side > kMaxVdimSide) return refuse("--vdim", "a concentric map has 1 to 256 directions per side");
+    if (side < 1 || side > kMaxVdimSide)
+      return refuse("--vdim", "a concentric map has 1 to 256 directions per side");
   return {};
 }
 
-// Charts need a gutter of two texels in every map, as nearly as gutterOf can tell, so that filters keep them apart and no
-// texel is overlapped by two.
+// Charts need a gutter of two texels in every map, as nearly as gutterOf can tell, so that filters keep them
+// apart and no texel is overlapped by two.
 Status checkGutters(const Tile& tile, const BakeManifest& m) {
-  if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
+  if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; }))
+    return {};
   const double gutter = gutterOf(tile) + 1.0 / 256;  // half of what gutterOf may have cut off
   const int needed = static_cast<int>(std::ceil(2 / gutter));
-  for (const auto& [option, side] : {std::pair{"--size", m.size}, {"--flat-size", m.flat_size}, {"--geometry-size", m.geometry_size}})
+  for (const auto& [option, side] :
+       {std::pair{"--size", m.size}, {"--flat-size", m.flat_size}, {"--geometry-size", m.geometry_size}})
     if (side < needed)
       return Issue{issue_id::kOption, Severity::kError, option,
-                   "the tile has several charts, and the gutters between them need at least " + std::to_string(needed) + " texels per side"};
+                   "the tile has several charts, and the gutters between them need at least " +
+                       std::to_string(needed) + " texels per side"};
   return {};
 }
 
@@ -71,15 +78,17 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   if (o.maps.vdim) m.vdims = o.vdims, m.concentric_vdims = o.concentric_vdims;
   m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
   m.identity_parameterization = tile.identity_parameterization;
-  const ParameterizationQuality quality = measureParameterization(tile.positions, tile.params, tile.triangles);
+  const ParameterizationQuality quality =
+      measureParameterization(tile.positions, tile.params, tile.triangles);
   m.flipped_triangles = quality.flipped;
   m.area_cv = quality.area_cv, m.area_p5 = quality.area_p5, m.area_p95 = quality.area_p95;
   return m;
 }
 
-// Asked before anything is written, and of the tile and its directions alone: every shard and every resumed run gets the same answer.
+// Asked before anything is written, and of the tile and its directions alone: every shard and every resumed
+// run gets the same answer.
 Status checkCovers(const TileTracer& tracer, const BakeManifest& m, const std::string& tile_name) {
-  constexpr int kSide = 32;           // rays of a view, per side
+  constexpr int kSide = 32;  // rays of a view, per side
   constexpr size_t kMostViews = 100;
   const FlushDenormals flush;
   const auto& views = m.directions.samples;
@@ -90,7 +99,8 @@ Status checkCovers(const TileTracer& tracer, const BakeManifest& m, const std::s
     const glm::dvec3& wo = views[k * views.size() / count];
     for (int t = 0; t < kSide * kSide; ++t) {
       const uint64_t seed = mixSeed(k, uint64_t(t));
-      const glm::dvec2 x = (glm::dvec2(t % kSide, t / kSide) + glm::dvec2(uniform(seed, 0), uniform(seed, 1))) / double(kSide);
+      const glm::dvec2 x =
+          (glm::dvec2(t % kSide, t / kSide) + glm::dvec2(uniform(seed, 0), uniform(seed, 1))) / double(kSide);
       if (tracer.intersectView(x, wo) || misses++ > 0) continue;
       const Spherical view = sphericalFromDirection(wo);
       first_x = x, first_view = glm::degrees(glm::dvec2(view.theta, view.phi));
@@ -99,10 +109,12 @@ Status checkCovers(const TileTracer& tracer, const BakeManifest& m, const std::s
   const uint64_t rays = count * kSide * kSide;
   if (double(misses) <= kMaxMissRate * double(rays)) return {};
   char place[120];
-  std::snprintf(place, sizeof place, ", the first at x = (%.3f, %.3f) from theta %.0f, phi %.0f degrees", first_x.x, first_x.y, first_view.x, first_view.y);
-  return Issue{issue_id::kTileGeometry, Severity::kError, tile_name,
-               std::to_string(misses) + " of " + std::to_string(rays) + " view rays meet no surface" + place +
-                   ": the tile has holes or does not cover its period; close them, or put a ground under them"};
+  std::snprintf(place, sizeof place, ", the first at x = (%.3f, %.3f) from theta %.0f, phi %.0f degrees",
+                first_x.x, first_x.y, first_view.x, first_view.y);
+  return Issue{
+      issue_id::kTileGeometry, Severity::kError, tile_name,
+      std::to_string(misses) + " of " + std::to_string(rays) + " view rays meet no surface" + place +
+          ": the tile has holes or does not cover its period; close them, or put a ground under them"};
 }
 
 // One file or group of files of the output; the unit of sharding and resuming.
@@ -113,7 +125,8 @@ struct Item {
 
 bool present(const Item& item) {
   std::error_code error;
-  return std::all_of(item.files.begin(), item.files.end(), [&](const fs::path& file) { return fs::exists(file, error); });
+  return std::all_of(item.files.begin(), item.files.end(),
+                     [&](const fs::path& file) { return fs::exists(file, error); });
 }
 
 Status write(const fs::path& path, const Image& image, PixelType type) {
@@ -127,9 +140,14 @@ class BakeItems {
     const BakeManifest& m = scene.manifest;
     for (int view = 0; view < m.directions.size(); ++view) addView(view);
     for (const glm::ivec2& size : m.vdims)
-      items_.push_back({{vdimPath(folder, size)}, [this, size] { return write(vdimPath(folder_, size), bakeVdim(scene_, size), PixelType::kFloat); }});
+      items_.push_back({{vdimPath(folder, size)}, [this, size] {
+                          return write(vdimPath(folder_, size), bakeVdim(scene_, size), PixelType::kFloat);
+                        }});
     for (const int side : m.concentric_vdims)
-      items_.push_back({{concentricVdimPath(folder, side)}, [this, side] { return write(concentricVdimPath(folder_, side), bakeConcentricVdim(scene_, side), PixelType::kFloat); }});
+      items_.push_back({{concentricVdimPath(folder, side)}, [this, side] {
+                          return write(concentricVdimPath(folder_, side), bakeConcentricVdim(scene_, side),
+                                       PixelType::kFloat);
+                        }});
     if (m.has_surface) addSurface();
   }
   const std::vector<Item>& items() const { return items_; }
@@ -152,21 +170,28 @@ void BakeItems::addView(int view) {
   const BakeManifest& m = scene_.manifest;
   Item item;
   if (m.has_btf) item.files.push_back(btfPath(folder_, view));
-  if (m.has_flat) item.files.push_back(flatPath(folder_, view)), item.files.push_back(visiblePath(folder_, view));
+  if (m.has_flat)
+    item.files.push_back(flatPath(folder_, view)), item.files.push_back(visiblePath(folder_, view));
   item.make = [this, view, &m]() -> Status {
     if (m.has_btf)
-      if (Status status = write(btfPath(folder_, view), bakeBtfView(scene_, surface(), view), PixelType::kHalf); !status) return status;
+      if (Status status =
+              write(btfPath(folder_, view), bakeBtfView(scene_, surface(), view), PixelType::kHalf);
+          !status)
+        return status;
     if (!m.has_flat) return {};
     const FlatView result = bakeFlatView(scene_, surface(), view);
-    if (Status status = write(flatPath(folder_, view), result.atlas, PixelType::kHalf); !status) return status;
-    return writeImage(visiblePath(folder_, view), m.flat_size, m.flat_size, 1, PixelType::kByte, result.visible);
+    if (Status status = write(flatPath(folder_, view), result.atlas, PixelType::kHalf); !status)
+      return status;
+    return writeImage(visiblePath(folder_, view), m.flat_size, m.flat_size, 1, PixelType::kByte,
+                      result.visible);
   };
   items_.push_back(std::move(item));
 }
 
 void BakeItems::addSurface() {
   Item item;
-  for (const char* map : {"geometry", "normal", "diffuse", "specular"}) item.files.push_back(surfacePath(folder_, map));
+  for (const char* map : {"geometry", "normal", "diffuse", "specular"})
+    item.files.push_back(surfacePath(folder_, map));
   item.make = [this, files = item.files]() -> Status {
     const SurfaceImages images = bakeSurface(scene_);
     const Image* const maps[] = {&images.geometry, &images.normal, &images.diffuse, &images.specular};
@@ -177,11 +202,13 @@ void BakeItems::addSurface() {
   items_.push_back(std::move(item));
 }
 
-Status makeItems(const std::vector<Item>& items, const BakeOptions& options, const std::string& tile_name, const BakeCounters& counters) {
+Status makeItems(const std::vector<Item>& items, const BakeOptions& options, const std::string& tile_name,
+                 const BakeCounters& counters) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<const Item*> due;
   for (size_t k = 0; k < items.size(); ++k)
-    if (int(k % size_t(options.shards)) == options.shard && !(options.resume && present(items[k]))) due.push_back(&items[k]);
+    if (int(k % size_t(options.shards)) == options.shard && !(options.resume && present(items[k])))
+      due.push_back(&items[k]);
   Progress progress("bake " + tile_name, due.size(), options.quiet);
   for (const Item* item : due) {
     if (Status status = item->make(); !status) return status;
@@ -195,7 +222,8 @@ Status makeItems(const std::vector<Item>& items, const BakeOptions& options, con
 
 }  // namespace
 
-Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs::path& folder, const BakeOptions& options) {
+Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs::path& folder,
+                        const BakeOptions& options) {
   if (const Status status = checkOptions(options); !status) return status.issue();
   const auto start = std::chrono::steady_clock::now();
   const BakeManifest manifest = manifestOf(tile, tile_name, options);
@@ -215,7 +243,9 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
   if (!made) return made.issue();
   const bool complete = std::all_of(items.items().begin(), items.items().end(), present);
   if (complete) {
-    const auto fill = [&] { return arena.execute([&] { return fillFromViews(folder, manifest, options.quiet); }); };
+    const auto fill = [&] {
+      return arena.execute([&] { return fillFromViews(folder, manifest, options.quiet); });
+    };
     if (const Status status = ready->finish(fill); !status) return status.issue();
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -16,20 +16,20 @@ struct BakeMaps {
 };
 
 struct BakeOptions {
-  int size = 64;            // reference texels per side
-  int flat_size = 0;        // 0: as size
-  int geometry_size = 0;    // 0: max(128, size)
-  DirectionSet directions;  // empty: bonn81
+  int size = 64;                                     // reference texels per side
+  int flat_size = 0;                                 // 0: as size
+  int geometry_size = 0;                             // 0: max(128, size)
+  DirectionSet directions;                           // empty: bonn81
   std::vector<glm::ivec2> vdims{{16, 16}, {8, 32}};  // latlong, zeniths x azimuths
-  std::vector<int> concentric_vdims;  // depths on the runtime's own grid, directions per side
-  int supersample = 2;      // samples per texel side
-  int bounces = 0;          // 0: direct light and cast shadows
-  FillMethod fill = FillMethod::kPushPull;  // of texels that a view does not see
-  TexelMethod texels = TexelMethod::kMean;  // of those that it sees
+  std::vector<int> concentric_vdims;                 // depths on the runtime's own grid, directions per side
+  int supersample = 2;                               // samples per texel side
+  int bounces = 0;                                   // 0: direct light and cast shadows
+  FillMethod fill = FillMethod::kPushPull;           // of texels that a view does not see
+  TexelMethod texels = TexelMethod::kMean;           // of those that it sees
   BakeMaps maps;
-  bool resume = false;      // keep what an interrupted run has finished
+  bool resume = false;        // keep what an interrupted run has finished
   int shard = 0, shards = 1;  // this process does views v with v % shards == shard
-  int threads = 0;          // 0: all
+  int threads = 0;            // 0: all
   bool quiet = false;
 };
 

@@ -7,8 +7,8 @@
 
 #include "importer/bake/bake_scene.h"
 #include "importer/bake/light_sum.h"
-#include "importer/base/random.h"
 #include "importer/bake/surface_samples.h"
+#include "importer/base/random.h"
 
 namespace loden::importer {
 namespace {
@@ -18,7 +18,8 @@ constexpr int kBlockSamples = 32;  // samples per side of the texel blocks that 
 // The first hits of one block of texels, and the light that leaves them.
 class BtfBlock {
  public:
-  BtfBlock(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights, const glm::dvec3& wo)
+  BtfBlock(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights,
+           const glm::dvec3& wo)
       : scene_(scene), surface_(surface), lights_(lights), wo_(wo), unknown_(lights.size()) {}
 
   void trace(glm::ivec2 first, glm::ivec2 last);
@@ -38,12 +39,12 @@ class BtfBlock {
   const SurfaceSamples& surface_;
   const LightTable& lights_;
   const glm::dvec3 wo_;
-  std::vector<Sample> samples_;       // texel by texel
-  std::vector<glm::vec3> origins_;    // [sample]
-  std::vector<uint64_t> lit_;         // [sample][word]: lights that reach the sample
-  std::vector<uint64_t> known_;       // [word], of one sample
+  std::vector<Sample> samples_;                 // texel by texel
+  std::vector<glm::vec3> origins_;              // [sample]
+  std::vector<uint64_t> lit_;                   // [sample][word]: lights that reach the sample
+  std::vector<uint64_t> known_;                 // [word], of one sample
   std::vector<std::vector<uint32_t>> unknown_;  // [light]: samples that face it, but may lie in a shadow
-  std::vector<glm::vec3> indirect_;   // [sample][light], empty without bounces
+  std::vector<glm::vec3> indirect_;             // [sample][light], empty without bounces
 };
 
 void BtfBlock::add(glm::ivec2 texel, const TileHit& hit, uint64_t seed) {
@@ -67,24 +68,30 @@ void BtfBlock::findLights(const TileHit& hit, size_t sample) {
     for (uint64_t left = ~known_[w]; left != 0; left &= left - 1) {
       const size_t l = 64 * w + size_t(std::countr_zero(left));
       if (l >= lights_.size()) break;
-      if (n.x * lights_.x[l] + n.y * lights_.y[l] + n.z * lights_.z[l] > 0) unknown_[l].push_back(uint32_t(sample));
+      if (n.x * lights_.x[l] + n.y * lights_.y[l] + n.z * lights_.z[l] > 0)
+        unknown_[l].push_back(uint32_t(sample));
     }
 }
 
 void BtfBlock::trace(glm::ivec2 first, glm::ivec2 last) {
-  const int size = scene_.manifest.size, per_side = scene_.manifest.supersample, per_texel = per_side * per_side;
+  const int size = scene_.manifest.size, per_side = scene_.manifest.supersample,
+            per_texel = per_side * per_side;
   std::vector<glm::dvec2> x;
   for (int j = first.y; j < last.y; ++j)
     for (int i = first.x; i < last.x; ++i)
-      for (int k = 0; k < per_texel; ++k) x.push_back((glm::dvec2(i, j) + samplePosition(k, per_side)) / double(size));
+      for (int k = 0; k < per_texel; ++k)
+        x.push_back((glm::dvec2(i, j) + samplePosition(k, per_side)) / double(size));
   std::vector<std::optional<TileHit>> hits(x.size());
   scene_.tracer.intersectViews(x, wo_, hits);
   scene_.counters.rays += x.size();
   for (size_t k = 0; k < hits.size(); ++k) {
     const int t = int(k) / per_texel;
     const glm::ivec2 texel = first + glm::ivec2(t % (last.x - first.x), t / (last.x - first.x));
-    if (hits[k]) add(texel, *hits[k], mixSeed(uint64_t(texel.y) * uint64_t(size) + uint64_t(texel.x), k % size_t(per_texel)));
-    else ++scene_.counters.misses;
+    if (hits[k])
+      add(texel, *hits[k],
+          mixSeed(uint64_t(texel.y) * uint64_t(size) + uint64_t(texel.x), k % size_t(per_texel)));
+    else
+      ++scene_.counters.misses;
   }
 }
 
@@ -117,7 +124,8 @@ void BtfBlock::shade(Image& atlas, const AtlasLayout& layout) const {
     }
     const glm::ivec2 texel = samples_[first].texel;
     for (size_t l = 0; l < lights; ++l)
-      for (int c = 0; c < 3; ++c) atlas.pixels[3 * layout.pixel(int(l), texel.x, texel.y) + size_t(c)] = share * sum[l][c];
+      for (int c = 0; c < 3; ++c)
+        atlas.pixels[3 * layout.pixel(int(l), texel.x, texel.y) + size_t(c)] = share * sum[l][c];
   }
 }
 
@@ -134,16 +142,17 @@ Image bakeBtfView(const BakeScene& scene, const SurfaceSamples& surface, int vie
   lights.setView(glm::vec3(wo));
   const int edge = std::max(1, kBlockSamples / scene.manifest.supersample);
   const int blocks = (size + edge - 1) / edge;
-  tbb::parallel_for(tbb::blocked_range2d<int>(0, blocks, 0, blocks), [&](const tbb::blocked_range2d<int>& range) {
-    const FlushDenormals flush;
-    for (int j = range.rows().begin(); j < range.rows().end(); ++j)
-      for (int i = range.cols().begin(); i < range.cols().end(); ++i) {
-        BtfBlock block(scene, surface, lights, wo);
-        block.trace(glm::ivec2(i, j) * edge, glm::min(glm::ivec2(i + 1, j + 1) * edge, glm::ivec2(size)));
-        block.traceUnknownLights();
-        block.shade(atlas, layout);
-      }
-  });
+  tbb::parallel_for(
+      tbb::blocked_range2d<int>(0, blocks, 0, blocks), [&](const tbb::blocked_range2d<int>& range) {
+        const FlushDenormals flush;
+        for (int j = range.rows().begin(); j < range.rows().end(); ++j)
+          for (int i = range.cols().begin(); i < range.cols().end(); ++i) {
+            BtfBlock block(scene, surface, lights, wo);
+            block.trace(glm::ivec2(i, j) * edge, glm::min(glm::ivec2(i + 1, j + 1) * edge, glm::ivec2(size)));
+            block.traceUnknownLights();
+            block.shade(atlas, layout);
+          }
+      });
   return atlas;
 }
 

@@ -7,8 +7,8 @@
 #include "importer/bake/bake_scene.h"
 #include "importer/bake/light_sum.h"
 #include "importer/bake/linear_texels.h"
-#include "importer/base/random.h"
 #include "importer/bake/surface_samples.h"
+#include "importer/base/random.h"
 
 namespace loden::importer {
 namespace {
@@ -17,8 +17,16 @@ namespace {
 class FlatRow {
  public:
   // linear: takes every sample that the view sees; none: only the texels' means are wanted.
-  FlatRow(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights, const glm::dvec3& wo, int row, LinearTexels* linear)
-      : scene_(scene), surface_(surface), lights_(lights), wo_(wo), row_(row), linear_(linear), single_(lights), values_(lights.size()) {}
+  FlatRow(const BakeScene& scene, const SurfaceSamples& surface, const LightTable& lights,
+          const glm::dvec3& wo, int row, LinearTexels* linear)
+      : scene_(scene),
+        surface_(surface),
+        lights_(lights),
+        wo_(wo),
+        row_(row),
+        linear_(linear),
+        single_(lights),
+        values_(lights.size()) {}
 
   void bake(FlatView& view);
 
@@ -94,7 +102,8 @@ void FlatRow::bake(FlatView& view) {
     if (seen == 0) continue;
     view.visible[texel(i)] = float(seen) / float(surface_.end(texel(i)) - surface_.first(texel(i)));
     for (size_t l = 0; l < lights_.size(); ++l)
-      for (int c = 0; c < 3; ++c) view.atlas.pixels[3 * layout.pixel(int(l), i, row_) + size_t(c)] = sum[l][c] / float(seen);
+      for (int c = 0; c < 3; ++c)
+        view.atlas.pixels[3 * layout.pixel(int(l), i, row_) + size_t(c)] = sum[l][c] / float(seen);
   }
 }
 
@@ -102,8 +111,7 @@ void FlatRow::bake(FlatView& view) {
 template <class Body>
 void forRowsApart(int side, const Body& body) {
   const int thirds = side / 3;
-  for (int turn = 0; turn < 3; ++turn)
-    tbb::parallel_for(0, thirds, [&](int k) { body(3 * k + turn); });
+  for (int turn = 0; turn < 3; ++turn) tbb::parallel_for(0, thirds, [&](int k) { body(3 * k + turn); });
   for (int row = 3 * thirds; row < side; ++row) body(row);
 }
 
@@ -118,7 +126,8 @@ FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int
   LightTable lights(scene.manifest.directions);
   lights.setView(glm::vec3(wo));
   std::optional<LinearTexels> linear;
-  if (scene.manifest.texels == TexelMethod::kLinear) linear.emplace(side, scene.manifest.supersample, lights.size());
+  if (scene.manifest.texels == TexelMethod::kLinear)
+    linear.emplace(side, scene.manifest.supersample, lights.size());
   forRowsApart(side, [&](int row) {
     const FlushDenormals flush;
     FlatRow(scene, surface, lights, wo, row, linear ? &*linear : nullptr).bake(result);
@@ -128,10 +137,12 @@ FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int
     const FlushDenormals flush;
     std::vector<glm::vec3> texels(size_t(side) * size_t(side));
     glm::vec3* const pixels = reinterpret_cast<glm::vec3*>(result.atlas.pixels.data());
-    for (int j = 0; j < side; ++j) std::copy_n(pixels + layout.pixel(light, 0, j), side, &texels[size_t(j) * size_t(side)]);
+    for (int j = 0; j < side; ++j)
+      std::copy_n(pixels + layout.pixel(light, 0, j), side, &texels[size_t(j) * size_t(side)]);
     fill.apply(texels);
     if (linear) linear->fit(size_t(light), texels);
-    for (int j = 0; j < side; ++j) std::copy_n(&texels[size_t(j) * size_t(side)], side, pixels + layout.pixel(light, 0, j));
+    for (int j = 0; j < side; ++j)
+      std::copy_n(&texels[size_t(j) * size_t(side)], side, pixels + layout.pixel(light, 0, j));
   });
   return result;
 }

@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "importer/btf/baked_files.h"
 #include "importer/base/file_read.h"
+#include "importer/btf/baked_files.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -20,15 +20,20 @@ namespace {
 namespace fs = std::filesystem;
 
 // While a bake is unfinished its manifest stands here.
-fs::path unfinishedPath(const fs::path& folder) { return folder / "bake.unfinished.json"; }
-fs::path finishedPath(const fs::path& folder) { return folder / "bake.json"; }
+fs::path unfinishedPath(const fs::path& folder) {
+  return folder / "bake.unfinished.json";
+}
+fs::path finishedPath(const fs::path& folder) {
+  return folder / "bake.json";
+}
 
 constexpr const char* kParts[] = {"btf", "flat", "visible", "vdim", "surface"};
 
 void removeParts(const fs::path& folder) {
   std::error_code error;
   for (const char* part : kParts) fs::remove_all(folder / part, error);
-  for (const char* layout : {"bonn", "bonn.part"}) fs::remove_all(folder / layout, error);  // made of the parts
+  for (const char* layout : {"bonn", "bonn.part"})
+    fs::remove_all(folder / layout, error);  // made of the parts
 }
 
 // A folder or file of a part's name that is no bake's, and holds something.
@@ -40,7 +45,9 @@ std::string foreignPart(const fs::path& folder) {
   return {};
 }
 
-std::string processSuffix() { return ".tmp" + std::to_string(getpid()); }
+std::string processSuffix() {
+  return ".tmp" + std::to_string(getpid());
+}
 
 // The manifest text in the folder, of a finished or unfinished bake; empty if there is none.
 std::string presentManifest(const fs::path& folder) {
@@ -54,9 +61,9 @@ std::string presentManifest(const fs::path& folder) {
   return unreadable ? "unreadable" : "";
 }
 
-// What a shard does to the folder's manifests, and the last pass, happens under this: one process at a time. The file is
-// removed at the end, so that a folder filled by shards has the same files as any other. Network file systems lock only
-// what is open for writing.
+// What a shard does to the folder's manifests, and the last pass, happens under this: one process at a time.
+// The file is removed at the end, so that a folder filled by shards has the same files as any other. Network
+// file systems lock only what is open for writing.
 class ShardLock {
  public:
   Status acquire(const fs::path& folder) {
@@ -64,13 +71,16 @@ class ShardLock {
     do {
       release();
       file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (file_ < 0) return Issue{issue_id::kCannotWrite, Severity::kError, path_.string(), std::strerror(errno)};
-      while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {}
+      if (file_ < 0)
+        return Issue{issue_id::kCannotWrite, Severity::kError, path_.string(), std::strerror(errno)};
+      while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
+      }
     } while (!isCurrent());
     return {};
   }
   ~ShardLock() {
-    if (file_ >= 0) unlink(path_.c_str());  // before it is released: who waits for it sees that, and takes the next
+    if (file_ >= 0)
+      unlink(path_.c_str());  // before it is released: who waits for it sees that, and takes the next
     release();
   }
   ShardLock() = default;
@@ -81,7 +91,8 @@ class ShardLock {
   // The file that is locked still stands at the path.
   bool isCurrent() const {
     struct stat mine, there;
-    return fstat(file_, &mine) == 0 && stat(path_.c_str(), &there) == 0 && mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
+    return fstat(file_, &mine) == 0 && stat(path_.c_str(), &there) == 0 && mine.st_dev == there.st_dev &&
+           mine.st_ino == there.st_ino;
   }
   void release() {
     if (file_ >= 0) close(file_);
@@ -111,38 +122,46 @@ void feedTextures(XXH3_state_t* state, const Tile& tile) {
     feed(state, point.material), feed(state, point.base_color), feed(state, point.metallic_roughness);
   for (const TileMaterial& material : tile.materials) {
     feed(state, material.base_color), feed(state, material.metallic), feed(state, material.roughness);
-    feedTexture(state, material.base_color_texture.get()), feedTexture(state, material.metallic_roughness_texture.get());
+    feedTexture(state, material.base_color_texture.get()),
+        feedTexture(state, material.metallic_roughness_texture.get());
   }
 }
 
 }  // namespace
 
-Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifest& manifest, bool resume, bool shared) {
+Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifest& manifest, bool resume,
+                                       bool shared) {
   const std::string wanted = manifestText(manifest);
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return Issue{issue_id::kCannotWrite, Severity::kError, folder.string(), "cannot be created: " + error.message()};
+  if (error)
+    return Issue{issue_id::kCannotWrite, Severity::kError, folder.string(),
+                 "cannot be created: " + error.message()};
   ShardLock lock;
   if (shared)
     if (const Status status = lock.acquire(folder); !status) return status.issue();
   const std::string present = presentManifest(folder);
   if (!present.empty() && present != wanted && (resume || shared))
     return Issue{issue_id::kExists, Severity::kError, folder.string(),
-                 "holds a bake of another tile, with other options or by another version; choose an empty folder, or bake without --resume and --shard"};
+                 "holds a bake of another tile, with other options or by another version; choose an empty "
+                 "folder, or bake without --resume and --shard"};
   if (const std::string part = present.empty() ? foreignPart(folder) : std::string(); !part.empty())
-    return Issue{issue_id::kExists, Severity::kError, (folder / part).string(),
-                 "is not of a bake (no bake.json beside it) and would be overwritten; choose an empty folder"};
-  // Renamed, not removed: a folder with parts is known as a bake's at any time. And by every shard that begins: what it
-  // writes anew lacks the last pass.
+    return Issue{
+        issue_id::kExists, Severity::kError, (folder / part).string(),
+        "is not of a bake (no bake.json beside it) and would be overwritten; choose an empty folder"};
+  // Renamed, not removed: a folder with parts is known as a bake's at any time. And by every shard that
+  // begins: what it writes anew lacks the last pass.
   fs::rename(finishedPath(folder), unfinishedPath(folder), error);
   if (present != wanted && !present.empty()) removeParts(folder);
   for (const char* part : kParts) {
     fs::create_directories(folder / part, error);
     if (error)
-      return Issue{issue_id::kCannotWrite, Severity::kError, (folder / part).string(), "cannot be created: " + error.message()};
+      return Issue{issue_id::kCannotWrite, Severity::kError, (folder / part).string(),
+                   "cannot be created: " + error.message()};
   }
   if (const auto stands = readFile(unfinishedPath(folder)); !stands || *stands != wanted)
-    if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status) return status.issue();
+    if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status)
+      return status.issue();
   BakeFolder result;
   result.folder_ = folder;
   result.manifest_ = manifest;
@@ -155,7 +174,9 @@ Status BakeFolder::finish(const std::function<Status()>& last) const {
   if (shared_)
     if (Status status = lock.acquire(folder_); !status) return status;
   if (Status status = last(); !status) return status;
-  if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_), processSuffix()); !status) return status;
+  if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_), processSuffix());
+      !status)
+    return status;
   std::error_code error;
   fs::remove(unfinishedPath(folder_), error);
   return {};
@@ -176,7 +197,8 @@ std::string tileHash(const Tile& tile) {
   const XXH128_hash_t hash = XXH3_128bits_digest(state);
   XXH3_freeState(state);
   char text[33];
-  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64), static_cast<unsigned long long>(hash.low64));
+  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                static_cast<unsigned long long>(hash.low64));
   return text;
 }
 

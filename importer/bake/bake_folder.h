@@ -12,9 +12,10 @@ namespace loden::importer {
 
 class BakeFolder {
  public:
-  // Makes the folder ready for this bake: a bake of something else in it is removed, or refused if it is to be
-  // resumed or shared with other shards.
-  static Result<BakeFolder> prepare(const std::filesystem::path& folder, const BakeManifest& manifest, bool resume, bool shared);
+  // Makes the folder ready for this bake: a bake of something else in it is removed, or refused if it is to
+  // be resumed or shared with other shards.
+  static Result<BakeFolder> prepare(const std::filesystem::path& folder, const BakeManifest& manifest,
+                                    bool resume, bool shared);
 
   const std::filesystem::path& path() const { return folder_; }
   // Runs `last`, writes bake.json, and takes the mark of the unfinished bake away. Shards that find the bake

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "importer/bake/bake_scene.h"
+#include "importer/base/random.h"
 #include "importer/tile/charts.h"
 #include "importer/tile/local_brdf.h"
 #include "importer/tile/mesh_material.h"
-#include "importer/base/random.h"
 #include "material/model/vdim.h"
 
 namespace loden::importer {
@@ -18,7 +18,8 @@ glm::dvec2 samplePosition(int k, int supersample) {
   return (glm::dvec2(k % supersample, k / supersample) + 0.5 + kBeside) / double(supersample);
 }
 
-void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed, glm::vec3* values) {
+void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed,
+                 glm::vec3* values) {
   const auto& lights = scene.directions();
   TileHit at = hit;
   glm::dvec3 towards = wo, weight(1);
@@ -45,10 +46,11 @@ void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& w
 
 namespace {
 
-// An image with a cell of size x size for each view, rows of `columns` cells: store(pixel, x, hit) for every texel
-// centre x; hit is empty where the ray meets no surface, which is counted.
+// An image with a cell of size x size for each view, rows of `columns` cells: store(pixel, x, hit) for every
+// texel centre x; hit is empty where the ray meets no surface, which is counted.
 template <class Store>
-Image traceCells(const BakeScene& scene, const std::vector<glm::dvec3>& views, int columns, int channels, const Store& store) {
+Image traceCells(const BakeScene& scene, const std::vector<glm::dvec3>& views, int columns, int channels,
+                 const Store& store) {
   constexpr glm::dvec2 kBeside{1.31e-3, -2.17e-3};  // of a texel: off the edges of regular meshes
   const int side = scene.manifest.size;
   const AtlasLayout layout{side, static_cast<int>(views.size()), columns};
@@ -77,19 +79,22 @@ Image bakeVdim(const BakeScene& scene, glm::ivec2 size) {
   for (int z = 0; z < size.x; ++z)
     for (int a = 0; a < size.y; ++a)
       views.push_back(directionFromSpherical({kThetaMax * z / (size.x - 1), 2 * kPi * a / (size.y - 1)}));
-  return traceCells(scene, views, size.y, 2, [](float* pixel, const glm::dvec2& x, const std::optional<TileHit>& hit) {
-    const glm::dvec2 displacement = hit ? hit->p - x : glm::dvec2(0);
-    pixel[0] = float(displacement.x), pixel[1] = float(displacement.y);
-  });
+  return traceCells(scene, views, size.y, 2,
+                    [](float* pixel, const glm::dvec2& x, const std::optional<TileHit>& hit) {
+                      const glm::dvec2 displacement = hit ? hit->p - x : glm::dvec2(0);
+                      pixel[0] = float(displacement.x), pixel[1] = float(displacement.y);
+                    });
 }
 
 Image bakeConcentricVdim(const BakeScene& scene, int directions) {
   std::vector<glm::dvec3> views;
   for (int v = 0; v < directions; ++v)
-    for (int u = 0; u < directions; ++u) views.push_back(vdimViewFromSquare((glm::dvec2(u, v) + 0.5) / double(directions)));
-  return traceCells(scene, views, directions, 1, [&](float* pixel, const glm::dvec2&, const std::optional<TileHit>& hit) {
-    pixel[0] = float(hit ? hit->position.z : scene.tracer.zMin());
-  });
+    for (int u = 0; u < directions; ++u)
+      views.push_back(vdimViewFromSquare((glm::dvec2(u, v) + 0.5) / double(directions)));
+  return traceCells(scene, views, directions, 1,
+                    [&](float* pixel, const glm::dvec2&, const std::optional<TileHit>& hit) {
+                      pixel[0] = float(hit ? hit->position.z : scene.tracer.zMin());
+                    });
 }
 
 TexelPoints locateTexels(const Tile& tile, int side, int supersample) {
@@ -103,7 +108,8 @@ TexelPoints locateTexels(const Tile& tile, int side, int supersample) {
 }
 
 std::vector<uint16_t> ownersOf(const Tile& tile, int side, const TexelPoints& points) {
-  if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; })) return {};
+  if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; }))
+    return {};
   std::vector<uint16_t> labels(size_t(side) * size_t(side), 0);
   const auto label = [&](const std::vector<ParamSample>& samples) {
     for (size_t t = 0; t < labels.size(); ++t)
@@ -117,9 +123,9 @@ std::vector<uint16_t> ownersOf(const Tile& tile, int side, const TexelPoints& po
 namespace {
 
 // Texels beside a chart continue it: within kMargin of its border they count as its surface, so that patches
-// reach the border; further on they only lead searches back. A patch passes through the surface only if the texel
-// holds what lies under its centre, which the nearest point of a chart that merely overlaps it would not be. All that
-// do overlap it are nearer than kMargin, so the image is conservative as it is.
+// reach the border; further on they only lead searches back. A patch passes through the surface only if the
+// texel holds what lies under its centre, which the nearest point of a chart that merely overlaps it would
+// not be. All that do overlap it are nearer than kMargin, so the image is conservative as it is.
 constexpr double kMargin = 1.4143, kContinuation = 8;  // texels
 constexpr double kFilterReach = 2;  // texels of a surface map beyond a border that filters read
 
@@ -154,7 +160,8 @@ Image bakeGeometry(const BakeScene& scene) {
     } else if (beyond[t].exists()) {
       const uint32_t triangle = beyond[t].triangle;
       const glm::dvec2 p = scene.tracer.pointOn(triangle, beyond[t].b).p;
-      store(t, continuedPosition(scene.tracer, beyond[t], side), p, beyond[t].distance <= kMargin ? tile.charts[triangle] : uint16_t(0));
+      store(t, continuedPosition(scene.tracer, beyond[t], side), p,
+            beyond[t].distance <= kMargin ? tile.charts[triangle] : uint16_t(0));
     }
   }
   return image;
@@ -169,8 +176,8 @@ Image filledMap(int side, int channels, const HoleFill& fill, std::vector<glm::v
   return image;
 }
 
-// The surface beside a chart's border: the normal goes on turning as it does there, the reflectance stays. Filters
-// that reach over the border then see no step.
+// The surface beside a chart's border: the normal goes on turning as it does there, the reflectance stays.
+// Filters that reach over the border then see no step.
 TileHit continuedPoint(const TileTracer& tracer, const ParamExtension& beyond) {
   constexpr double kMostTurn = 0.7;  // cosine; needles would turn it anywhere
   TileHit hit = tracer.pointOn(beyond.triangle, beyond.edge);
@@ -195,17 +202,18 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
   };
   for (const auto& located : points.located)
     for (size_t t = 0; t < texels; ++t)
-      if (const ParamSample& at = located[t]; at.covered()) add(t, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)));
-  // Also where the surface overlaps a texel between the samples: a border is near, and the reflectance is of its nearest
-  // point, the normal continued from there.
+      if (const ParamSample& at = located[t]; at.covered())
+        add(t, scene.tracer.pointOn(at.triangle, glm::dvec2(at.b)));
+  // Also where the surface overlaps a texel between the samples: a border is near, and the reflectance is of
+  // its nearest point, the normal continued from there.
   const auto beyond = extendParams(scene.tracer.tile(), side, kFilterReach);
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] == 0 && beyond[t].exists()) add(t, continuedPoint(scene.tracer, beyond[t]));
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] > 0) normal[t] /= coverage[t], diffuse[t] /= coverage[t], specular[t] /= coverage[t];
   const HoleFill fill(scene.manifest.fill, side, coverage, ownersOf(scene.tracer.tile(), side, points));
-  return {bakeGeometry(scene), filledMap(side, 3, fill, std::move(normal)), filledMap(side, 3, fill, std::move(diffuse)),
-          filledMap(side, 2, fill, std::move(specular))};
+  return {bakeGeometry(scene), filledMap(side, 3, fill, std::move(normal)),
+          filledMap(side, 3, fill, std::move(diffuse)), filledMap(side, 2, fill, std::move(specular))};
 }
 
 }  // namespace loden::importer

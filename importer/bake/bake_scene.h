@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "importer/bake/push_pull.h"
+#include "importer/base/image_file.h"
 #include "importer/btf/baked_files.h"
 #include "importer/btf/baked_output.h"
-#include "importer/base/image_file.h"
 #include "importer/tile/param_map.h"
-#include "importer/bake/push_pull.h"
 #include "importer/tile/tile_tracer.h"
 
 namespace loden::importer {
@@ -33,20 +33,22 @@ struct BakeScene {
 glm::dvec2 samplePosition(int k, int supersample);
 
 // Indirect light of one path per sample, added to values[light] (white units).
-void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed, glm::vec3* values);
+void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed,
+                 glm::vec3* values);
 
 // The points of the surface that a side x side map over p stands for.
 struct TexelPoints {
   std::vector<std::vector<ParamSample>> located;  // [k][texel]: under sample k of supersample^2
-  // [texel]: the point nearest to the texel's centre where the surface overlaps the texel and lies under none of its
-  // samples (coverParams), so that every texel with some surface has a value of it. Whole texels and not the cells of
-  // single samples are looked at: those that are met have their share of the texel's area as it is, and more points
-  // at the border would outweigh it.
+  // [texel]: the point nearest to the texel's centre where the surface overlaps the texel and lies under none
+  // of its samples (coverParams), so that every texel with some surface has a value of it. Whole texels and
+  // not the cells of single samples are looked at: those that are met have their share of the texel's area as
+  // it is, and more points at the border would outweigh it.
   std::vector<ParamSample> between;
 };
 TexelPoints locateTexels(const Tile& tile, int side, int supersample);
 
-// Chart that each texel of a side x side map over p belongs to, gutters included; empty if there is one chart.
+// Chart that each texel of a side x side map over p belongs to, gutters included; empty if there is one
+// chart.
 std::vector<uint16_t> ownersOf(const Tile& tile, int side, const TexelPoints& points);
 
 class SurfaceSamples;
@@ -63,7 +65,8 @@ FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int
 
 // p - x at the texel centres for every view of a latlong map (FBTF 3.4), as the image of baked_output.h.
 Image bakeVdim(const BakeScene& scene, glm::ivec2 zeniths_azimuths);
-// z of the first hit at the texel centres for every view of the grid of `directions` x `directions`, likewise.
+// z of the first hit at the texel centres for every view of the grid of `directions` x `directions`,
+// likewise.
 Image bakeConcentricVdim(const BakeScene& scene, int directions);
 
 // Geometry image and surface maps over p.

@@ -3,19 +3,20 @@
 #include <algorithm>
 #include <optional>
 
-#include "importer/base/periodic_noise.h"
 #include "importer/bake/push_pull.h"
+#include "importer/base/periodic_noise.h"
 #include "material/base/check.h"
 
 namespace loden::importer {
 namespace {
 
-// Values of undefined texels from the defined ones: each is the mean of those of its four neighbours that belong
-// to the same chart. Factored once.
+// Values of undefined texels from the defined ones: each is the mean of those of its four neighbours that
+// belong to the same chart. Factored once.
 class Harmonic {
  public:
   // texels: of one chart; defined: over the whole map.
-  Harmonic(int side, std::span<const uint32_t> texels, std::span<const float> weights, std::span<const uint16_t> owners);
+  Harmonic(int side, std::span<const uint32_t> texels, std::span<const float> weights,
+           std::span<const uint16_t> owners);
   void apply(std::span<glm::vec3> texels) const;
 
  private:
@@ -27,7 +28,8 @@ class Harmonic {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
-Harmonic::Harmonic(int side, std::span<const uint32_t> texels, std::span<const float> weights, std::span<const uint16_t> owners) {
+Harmonic::Harmonic(int side, std::span<const uint32_t> texels, std::span<const float> weights,
+                   std::span<const uint16_t> owners) {
   std::vector<int> row_of(weights.size(), -1);
   for (const uint32_t t : texels)
     if (!(weights[t] > 0)) row_of[t] = int(unknown_.size()), unknown_.push_back(t);
@@ -41,8 +43,10 @@ Harmonic::Harmonic(int side, std::span<const uint32_t> texels, std::span<const f
       const auto other = uint32_t(y * side + x);
       if (other == t || (!owners.empty() && owners[other] != owners[t])) continue;
       diagonal += 1;
-      if (row_of[other] >= 0) entries.emplace_back(row, row_of[other], -1.0);
-      else known_.push_back({uint32_t(row), other});
+      if (row_of[other] >= 0)
+        entries.emplace_back(row, row_of[other], -1.0);
+      else
+        known_.push_back({uint32_t(row), other});
     }
     entries.emplace_back(row, row, diagonal);
   }
@@ -68,7 +72,8 @@ glm::ivec2 shortestRun(const std::vector<bool>& used) {
   glm::ivec2 best(0, side);
   int free = 0;
   for (int k = 0; k < 2 * side; ++k) {
-    if (!used[size_t(k % side)]) ++free;
+    if (!used[size_t(k % side)])
+      ++free;
     else {
       if (side - free < best.y) best = {k % side, side - free};
       free = 0;
@@ -88,7 +93,8 @@ class Framed {
     low_ = {x.x, y.x}, size_ = {x.y, y.y};
     std::vector<float> framed(size_t(size_.x) * size_t(size_.y));
     for (const uint32_t t : texels) {
-      const glm::ivec2 at(wrapIndex(int(t % extent) - low_.x, side), wrapIndex(int(t / extent) - low_.y, side));
+      const glm::ivec2 at(wrapIndex(int(t % extent) - low_.x, side),
+                          wrapIndex(int(t / extent) - low_.y, side));
       places_.push_back({t, uint32_t(at.y * size_.x + at.x)});
       framed[places_.back().framed] = weights[t];
     }
@@ -118,7 +124,8 @@ struct HoleFill::Part {
   std::optional<Framed> framed;
 };
 
-HoleFill::HoleFill(FillMethod method, int side, std::span<const float> weights, std::span<const uint16_t> owners) {
+HoleFill::HoleFill(FillMethod method, int side, std::span<const float> weights,
+                   std::span<const uint16_t> owners) {
   LODEN_CHECK_EQ(weights.size(), size_t(side) * size_t(side));
   LODEN_CHECK(owners.empty() || owners.size() == weights.size());
   std::vector<std::vector<uint32_t>> charts(1);
@@ -129,15 +136,18 @@ HoleFill::HoleFill(FillMethod method, int side, std::span<const float> weights, 
     if (weights[t] > 0) defined_.push_back(t);
   }
   for (const auto& texels : charts) {
-    const auto defined = size_t(std::count_if(texels.begin(), texels.end(), [&](uint32_t t) { return weights[t] > 0; }));
+    const auto defined =
+        size_t(std::count_if(texels.begin(), texels.end(), [&](uint32_t t) { return weights[t] > 0; }));
     if (defined == texels.size()) continue;
     if (defined == 0) {
       orphans_.insert(orphans_.end(), texels.begin(), texels.end());
       continue;
     }
     parts_.push_back(std::make_unique<Part>());
-    if (method == FillMethod::kHarmonic) parts_.back()->harmonic.emplace(side, texels, weights, owners);
-    else parts_.back()->framed.emplace(side, texels, weights);
+    if (method == FillMethod::kHarmonic)
+      parts_.back()->harmonic.emplace(side, texels, weights, owners);
+    else
+      parts_.back()->framed.emplace(side, texels, weights);
   }
 }
 
@@ -146,8 +156,10 @@ HoleFill::HoleFill(HoleFill&&) noexcept = default;
 
 void HoleFill::apply(std::span<glm::vec3> texels) const {
   for (const auto& part : parts_) {
-    if (part->harmonic) part->harmonic->apply(texels);
-    else part->framed->apply(texels);
+    if (part->harmonic)
+      part->harmonic->apply(texels);
+    else
+      part->framed->apply(texels);
   }
   if (defined_.empty()) return;
   glm::dvec3 mean(0);

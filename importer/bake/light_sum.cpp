@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 
-// Compiled for AVX2 too and chosen at load: the same operations in the same order, so the same bits. Not under
-// sanitizers, which do not bear what chooses, nor by Clang, where it is untried.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Compiled for AVX2 too and chosen at load: the same operations in the same order, so the same bits. Not
+// under sanitizers, which do not bear what chooses, nor by Clang, where it is untried.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define LODEN_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define LODEN_WIDE
@@ -31,10 +32,10 @@ struct Lights {
   float *red, *green, *blue;
 };
 
-// sum += lit * (diffuse + specular (N.H)^exponent) * max(N.L, 0), light by light; groups without light are skipped.
-// Samples without a GGX lobe only.
-LODEN_WIDE void addSample(const Lights& lights, size_t groups, const uint64_t* lit, const glm::vec3& normal, float view_cosine,
-                          const LocalBrdf& brdf) {
+// sum += lit * (diffuse + specular (N.H)^exponent) * max(N.L, 0), light by light; groups without light are
+// skipped. Samples without a GGX lobe only.
+LODEN_WIDE void addSample(const Lights& lights, size_t groups, const uint64_t* lit, const glm::vec3& normal,
+                          float view_cosine, const LocalBrdf& brdf) {
   const float nx = normal.x, ny = normal.y, nz = normal.z;
   const float red = brdf.diffuse.x, green = brdf.diffuse.y, blue = brdf.diffuse.z;
   const float specular = brdf.specular, exponent = brdf.exponent;
@@ -62,7 +63,12 @@ LODEN_WIDE void addSample(const Lights& lights, size_t groups, const uint64_t* l
 }  // namespace
 
 LightSum::LightSum(const LightTable& lights)
-    : lights_(lights), groups_((lights.size() + kGroup - 1) / kGroup), x_(lights.x), y_(lights.y), z_(lights.z), half_scale_(lights.half_scale) {
+    : lights_(lights),
+      groups_((lights.size() + kGroup - 1) / kGroup),
+      x_(lights.x),
+      y_(lights.y),
+      z_(lights.z),
+      half_scale_(lights.half_scale) {
   for (auto* values : {&x_, &y_, &z_, &half_scale_}) values->resize(groups_ * kGroup);
   for (auto& channel : sum_) channel.resize(groups_ * kGroup);
 }
@@ -73,16 +79,19 @@ void LightSum::clear() {
 
 void LightSum::add(const glm::vec3& normal, const glm::vec3& wo, const LocalBrdf& brdf, const uint64_t* lit) {
   if (brdf.alpha > 0) return addGgx(normal, wo, brdf, lit);
-  const Lights lights{x_.data(), y_.data(), z_.data(), half_scale_.data(), sum_[0].data(), sum_[1].data(), sum_[2].data()};
+  const Lights lights{x_.data(),      y_.data(),      z_.data(),     half_scale_.data(),
+                      sum_[0].data(), sum_[1].data(), sum_[2].data()};
   addSample(lights, groups_, lit, normal, glm::dot(normal, wo), brdf);
 }
 
-void LightSum::addGgx(const glm::vec3& normal, const glm::vec3& wo, const LocalBrdf& brdf, const uint64_t* lit) {
+void LightSum::addGgx(const glm::vec3& normal, const glm::vec3& wo, const LocalBrdf& brdf,
+                      const uint64_t* lit) {
   for (auto* values : {&cosine_, &lobe_, &tinted_}) values->resize(lights_.size());
   lobesOfAllLights(lights_, normal, wo, brdf, cosine_.data(), lobe_.data(), tinted_.data());
   for (size_t l = 0; l < lights_.size(); ++l) {
     if (!(lit[l / 64] >> (l % 64) & 1)) continue;
-    for (int c = 0; c < 3; ++c) sum_[c][l] += brdf.diffuse[c] * cosine_[l] + lobe_[l] + brdf.f0[c] * tinted_[l];
+    for (int c = 0; c < 3; ++c)
+      sum_[c][l] += brdf.diffuse[c] * cosine_[l] + lobe_[l] + brdf.f0[c] * tinted_[l];
   }
 }
 

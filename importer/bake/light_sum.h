@@ -15,7 +15,8 @@ class LightSum {
   explicit LightSum(const LightTable& lights);
 
   void clear();
-  // One sample under the lights whose bit is set in `lit` (light l: word l / 64, bit l % 64); all directions unit.
+  // One sample under the lights whose bit is set in `lit` (light l: word l / 64, bit l % 64); all directions
+  // unit.
   void add(const glm::vec3& normal, const glm::vec3& wo, const LocalBrdf& brdf, const uint64_t* lit);
   // Further light, white units, per light.
   void add(std::span<const glm::vec3> values);

@@ -10,14 +10,15 @@ namespace loden::importer {
 namespace {
 
 constexpr int kSteps = 12;
-// Of the normal equations, relative to their row sums: eigenvalues from 1/9 (a checkerboard) to 1, so that Nesterov's
-// method gains a factor of at least 1.5 a step with momentum (3 - 1) / (3 + 1).
+// Of the normal equations, relative to their row sums: eigenvalues from 1/9 (a checkerboard) to 1, so that
+// Nesterov's method gains a factor of at least 1.5 a step with momentum (3 - 1) / (3 + 1).
 constexpr float kMomentum = 0.5f;
 // Weight of the first guess, of the weight of a texel that is wholly seen.
 constexpr float kPrior = 0.01f;
 
-// How much a sample counts: an error of radiance is seen about in proportion to its share of what is there, but
-// black must not count without end. At .3 of white half; smaller values would cost more of the RMSE than they gain in Lab.
+// How much a sample counts: an error of radiance is seen about in proportion to its share of what is there,
+// but black must not count without end. At .3 of white half; smaller values would cost more of the RMSE than
+// they gain in Lab.
 float weightOf(const glm::vec3& value) {
   constexpr float kHalf = 0.3f;
   const float y = static_cast<float>(yccFromRgb(glm::vec3(value)).x);
@@ -34,7 +35,8 @@ std::array<Tap, 4> tapsAt(const glm::dvec2& place) {
   std::array<Tap, 4> taps;
   for (int k = 0; k < 4; ++k) {
     const glm::ivec2 corner(k & 1, k >> 1);
-    taps[size_t(k)] = {glm::ivec2(cell) + corner, float((corner.x ? f.x : 1 - f.x) * (corner.y ? f.y : 1 - f.y))};
+    taps[size_t(k)] = {glm::ivec2(cell) + corner,
+                       float((corner.x ? f.x : 1 - f.x) * (corner.y ? f.y : 1 - f.y))};
   }
   return taps;
 }
@@ -42,7 +44,11 @@ std::array<Tap, 4> tapsAt(const glm::dvec2& place) {
 }  // namespace
 
 LinearTexels::LinearTexels(int side, int per_side, size_t lights)
-    : side_(side), lights_(lights), full_(float(per_side * per_side)), normal_(size_t(side) * size_t(side) * lights), right_(normal_.size()) {}
+    : side_(side),
+      lights_(lights),
+      full_(float(per_side * per_side)),
+      normal_(size_t(side) * size_t(side) * lights),
+      right_(normal_.size()) {}
 
 size_t LinearTexels::texelAt(glm::ivec2 at) const {
   return size_t(wrapIndex(at.y, side_)) * size_t(side_) + size_t(wrapIndex(at.x, side_));
@@ -82,7 +88,8 @@ void LinearTexels::fit(size_t light, std::span<glm::vec3> texels) const {
       const float sum = std::accumulate(normal_[equation].begin(), normal_[equation].end(), 0.0f);
       if (sum == 0) continue;
       const float prior = kPrior * full_ * weightOf(texels[texel]);
-      Equation row{texel, {}, normal_[equation], prior, 1 / (sum + prior), right_[equation] + prior * texels[texel]};
+      Equation row{
+          texel, {}, normal_[equation], prior, 1 / (sum + prior), right_[equation] + prior * texels[texel]};
       for (int k = 0; k < kNear; ++k) row.around[k] = texelAt({i + k % 3 - 1, j + k / 3 - 1});
       rows.push_back(row);
     }

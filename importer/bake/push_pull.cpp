@@ -9,7 +9,9 @@ namespace loden::importer {
 namespace {
 
 // The fine texels under coarse texel k: two, or one at the end of an odd side.
-int lastChild(int k, int fine_side) { return std::min(2 * k + 1, fine_side - 1); }
+int lastChild(int k, int fine_side) {
+  return std::min(2 * k + 1, fine_side - 1);
+}
 
 }  // namespace
 
@@ -24,7 +26,8 @@ PushPull::PushPull(glm::ivec2 size, glm::bvec2 wraps, std::span<const float> wei
       for (int i = 0; i < coarse.size.x; ++i) {
         float sum = 0;
         for (int y = 2 * j; y <= lastChild(j, fine.size.y); ++y)
-          for (int x = 2 * i; x <= lastChild(i, fine.size.x); ++x) sum += fine.weight[size_t(y * fine.size.x + x)];
+          for (int x = 2 * i; x <= lastChild(i, fine.size.x); ++x)
+            sum += fine.weight[size_t(y * fine.size.x + x)];
         coarse.weight.push_back(std::min(sum, 1.0f));
       }
     levels_.push_back(std::move(coarse));
@@ -66,10 +69,13 @@ void PushPull::apply(std::span<glm::vec3> texels) const {
         const size_t texel = size_t(j * fine.size.x + i);
         if (fine.weight[texel] >= 1) continue;
         const int x0 = i / 2, y0 = j / 2;
-        const int x1 = neighbour(x0, i % 2 ? 1 : -1, size.x, wraps_.x), y1 = neighbour(y0, j % 2 ? 1 : -1, size.y, wraps_.y);
+        const int x1 = neighbour(x0, i % 2 ? 1 : -1, size.x, wraps_.x),
+                  y1 = neighbour(y0, j % 2 ? 1 : -1, size.y, wraps_.y);
         const auto& coarse = values[k + 1];
-        const glm::vec3 near_row = 0.75f * coarse[size_t(y0 * size.x + x0)] + 0.25f * coarse[size_t(y0 * size.x + x1)];
-        const glm::vec3 far_row = 0.75f * coarse[size_t(y1 * size.x + x0)] + 0.25f * coarse[size_t(y1 * size.x + x1)];
+        const glm::vec3 near_row =
+            0.75f * coarse[size_t(y0 * size.x + x0)] + 0.25f * coarse[size_t(y0 * size.x + x1)];
+        const glm::vec3 far_row =
+            0.75f * coarse[size_t(y1 * size.x + x0)] + 0.25f * coarse[size_t(y1 * size.x + x1)];
         values[k][texel] = glm::mix(0.75f * near_row + 0.25f * far_row, values[k][texel], fine.weight[texel]);
       }
   }

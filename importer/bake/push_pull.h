@@ -1,5 +1,5 @@
-// Fills the holes of images over p from their surroundings: by push-pull, as published (FBTF 3.3; Gortler et al.
-// 1996, 6.1), or harmonically.
+// Fills the holes of images over p from their surroundings: by push-pull, as published (FBTF 3.3; Gortler et
+// al. 1996, 6.1), or harmonically.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,12 @@ namespace loden::importer {
 // The weights of an image are reduced once, and serve any number of images.
 class PushPull {
  public:
-  // weights: [texel] of a size.x x size.y image, 0 where undefined, positive where defined. An axis that wraps
-  // is periodic.
+  // weights: [texel] of a size.x x size.y image, 0 where undefined, positive where defined. An axis that
+  // wraps is periodic.
   PushPull(glm::ivec2 size, glm::bvec2 wraps, std::span<const float> weights);
   // Square and periodic.
-  PushPull(int side, std::span<const float> weights) : PushPull(glm::ivec2(side), glm::bvec2(true), weights) {}
+  PushPull(int side, std::span<const float> weights)
+      : PushPull(glm::ivec2(side), glm::bvec2(true), weights) {}
 
   // Replaces undefined texels; defined ones stay as they are. texels: [texel], size as weights. Without any
   // defined texel all stay.
@@ -34,8 +35,8 @@ class PushPull {
   std::vector<Level> levels_;
 };
 
-// Fills a periodic side x side map over p that holds several charts, each chart's holes and gutter from that chart
-// alone. A chart without any defined texel gets the mean of all defined ones.
+// Fills a periodic side x side map over p that holds several charts, each chart's holes and gutter from that
+// chart alone. A chart without any defined texel gets the mean of all defined ones.
 class HoleFill {
  public:
   // weights as in PushPull; owners: [texel] chart (charts.h: chartOwners); empty: one chart everywhere.

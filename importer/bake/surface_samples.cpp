@@ -15,14 +15,17 @@ constexpr double kNear = 8;  // sample spacings between a point and the samples 
 }  // namespace
 
 SurfaceSamples::SurfaceSamples(const BakeScene& scene)
-    : side_(scene.manifest.flat_size), per_side_(scene.manifest.supersample), offset_(samplePosition(0, per_side_) * double(per_side_)) {
+    : side_(scene.manifest.flat_size),
+      per_side_(scene.manifest.supersample),
+      offset_(samplePosition(0, per_side_) * double(per_side_)) {
   const int per_texel = per_side_ * per_side_, grid_side = side_ * per_side_;
   const TexelPoints points = locateTexels(scene.tracer.tile(), side_, per_side_);
   owners_ = ownersOf(scene.tracer.tile(), side_, points);
   grid_.assign(size_t(grid_side) * size_t(grid_side), kNone);
   first_.assign(1, 0);
   const auto add = [&](const ParamSample& at, const TileHit& hit, const glm::dvec2& place) {
-    samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal), hit.brdf, at.triangle, at.b, place});
+    samples_.push_back({glm::vec3(hit.ray_origin), glm::vec3(hit.normal), glm::vec3(hit.geometric_normal),
+                        hit.brdf, at.triangle, at.b, place});
   };
   for (size_t t = 0; t < size_t(side_) * size_t(side_); ++t) {
     const glm::ivec2 texel(int(t) % side_, int(t) / side_);
@@ -89,7 +92,9 @@ void SurfaceSamples::lightsAt(const TileHit& hit, uint64_t* known, uint64_t* lit
   if (glm::dot(hit.geometric_normal, hit.normal) < 0) return;  // the back
   const int n = side_ * per_side_;
   const glm::ivec2 base(glm::floor(hit.p * double(n) - offset_));
-  const auto at = [&](int i, int j) { return grid_[size_t(wrapIndex(base.y + j, n)) * size_t(n) + size_t(wrapIndex(base.x + i, n))]; };
+  const auto at = [&](int i, int j) {
+    return grid_[size_t(wrapIndex(base.y + j, n)) * size_t(n) + size_t(wrapIndex(base.x + i, n))];
+  };
   const uint32_t around[4] = {at(0, 0), at(1, 0), at(0, 1), at(1, 1)};
   if (!neighbours(hit, around)) return;
   for (size_t w = 0; w < words_; ++w) {

@@ -1,5 +1,5 @@
-// Samples of the tile's surface over p, and which lights reach each of them: found once, and shared by all views of
-// the Flat-BTF and of the BTF. Not installed.
+// Samples of the tile's surface over p, and which lights reach each of them: found once, and shared by all
+// views of the Flat-BTF and of the BTF. Not installed.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct SurfaceSample {
 
 class SurfaceSamples {
  public:
-  // supersample^2 samples for each of flat_size^2 texels, at samplePosition, and one for a texel that the surface
-  // overlaps between them (locateTexels); traces a ray to every light that the sample faces.
+  // supersample^2 samples for each of flat_size^2 texels, at samplePosition, and one for a texel that the
+  // surface overlaps between them (locateTexels); traces a ray to every light that the sample faces.
   explicit SurfaceSamples(const BakeScene& scene);
 
   int side() const { return side_; }  // texels
@@ -37,8 +37,9 @@ class SurfaceSamples {
   size_t words() const { return words_; }
   // The lights that reach a sample.
   const uint64_t* lit(size_t sample) const { return &lit_[sample * words_]; }
-  // For a point that a ray has hit: the lights of which the four samples around it say the same, and those of them
-  // that reach it. No light is known on back sides, beside gaps, and where the samples are not neighbours in space.
+  // For a point that a ray has hit: the lights of which the four samples around it say the same, and those of
+  // them that reach it. No light is known on back sides, beside gaps, and where the samples are not
+  // neighbours in space.
   void lightsAt(const TileHit& hit, uint64_t* known, uint64_t* lit) const;
 
  private:
@@ -46,13 +47,14 @@ class SurfaceSamples {
   bool neighbours(const TileHit& hit, const uint32_t (&around)[4]) const;
 
   int side_ = 0, per_side_ = 0;
-  glm::dvec2 offset_{0};  // of a sample in its cell of the grid of all samples
+  glm::dvec2 offset_{0};          // of a sample in its cell of the grid of all samples
   std::vector<uint16_t> owners_;  // [flat texel]
-  std::vector<uint32_t> first_;  // [flat texel + 1]
+  std::vector<uint32_t> first_;   // [flat texel + 1]
   std::vector<SurfaceSample> samples_;
   std::vector<uint32_t> grid_;  // [side * per_side squared, row-major]: index of the sample, or kNone
   size_t words_ = 0;
-  std::vector<uint64_t> faced_, lit_;  // [sample][word]: lights above the sample's tangent plane; lights that reach it
+  std::vector<uint64_t> faced_,
+      lit_;  // [sample][word]: lights above the sample's tangent plane; lights that reach it
 };
 
 }  // namespace loden::importer

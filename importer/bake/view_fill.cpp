@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "importer/btf/baked_files.h"
 #include "importer/base/image_file.h"
 #include "importer/base/progress.h"
+#include "importer/btf/baked_files.h"
 
 namespace loden::importer {
 namespace {
@@ -29,7 +29,8 @@ Result<std::vector<std::vector<uint16_t>>> sourcesOf(const BakedOutput& baked) {
     std::vector<uint16_t> nearest(directions.size());
     std::iota(nearest.begin(), nearest.end(), uint16_t(0));
     const auto cosine = [&](uint16_t other) { return glm::dot(directions[other], directions[view]); };
-    std::stable_sort(nearest.begin(), nearest.end(), [&](uint16_t a, uint16_t b) { return cosine(a) > cosine(b); });
+    std::stable_sort(nearest.begin(), nearest.end(),
+                     [&](uint16_t a, uint16_t b) { return cosine(a) > cosine(b); });
     sources[view].resize(visible[view].size());
     for (size_t t = 0; t < visible[view].size(); ++t) {
       const auto sees = [&](uint16_t other) { return visible[other][t] > 0; };
@@ -40,13 +41,16 @@ Result<std::vector<std::vector<uint16_t>>> sourcesOf(const BakedOutput& baked) {
   return sources;
 }
 
-Status writeView(const std::filesystem::path& path, const std::vector<glm::vec3>& values, int side, int lights) {
+Status writeView(const std::filesystem::path& path, const std::vector<glm::vec3>& values, int side,
+                 int lights) {
   const AtlasLayout layout = AtlasLayout::forLights(side, lights);
   std::vector<float> pixels(3 * size_t(layout.width()) * size_t(layout.height()));
   for (int l = 0; l < lights; ++l)
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i)
-        for (int c = 0; c < 3; ++c) pixels[3 * layout.pixel(l, i, j) + size_t(c)] = values[(size_t(l) * size_t(side) + size_t(j)) * size_t(side) + size_t(i)][c];
+        for (int c = 0; c < 3; ++c)
+          pixels[3 * layout.pixel(l, i, j) + size_t(c)] =
+              values[(size_t(l) * size_t(side) + size_t(j)) * size_t(side) + size_t(i)][c];
   return writeImage(path, layout.width(), layout.height(), 3, PixelType::kHalf, pixels);
 }
 
@@ -59,11 +63,13 @@ Status fillFromViews(const std::filesystem::path& folder, const BakeManifest& ma
   if (!sources) return sources.issue();
   const int side = manifest.flat_size, views = manifest.directions.size(), lights = views;
   const size_t texels = size_t(side) * size_t(side);
-  const int group = int(std::clamp<size_t>(kMostBytes / (texels * size_t(lights) * sizeof(glm::vec3)), 1, size_t(views)));
+  const int group =
+      int(std::clamp<size_t>(kMostBytes / (texels * size_t(lights) * sizeof(glm::vec3)), 1, size_t(views)));
   Progress progress("fill from views", size_t(views), quiet);
   for (int first = 0; first < views; first += group) {
     const int last = std::min(first + group, views);
-    std::vector<std::vector<glm::vec3>> filled(size_t(last - first), std::vector<glm::vec3>(texels * size_t(lights)));
+    std::vector<std::vector<glm::vec3>> filled(size_t(last - first),
+                                               std::vector<glm::vec3>(texels * size_t(lights)));
     for (int source = 0; source < views; ++source) {
       const auto values = baked.flatView(source);
       if (!values) return values.issue();
@@ -71,11 +77,14 @@ Status fillFromViews(const std::filesystem::path& folder, const BakeManifest& ma
         const auto& from = (*sources)[size_t(view)];
         for (size_t t = 0; t < texels; ++t)
           if (from[t] == source)
-            for (size_t l = 0; l < size_t(lights); ++l) filled[size_t(view - first)][l * texels + t] = (*values)[l * texels + t];
+            for (size_t l = 0; l < size_t(lights); ++l)
+              filled[size_t(view - first)][l * texels + t] = (*values)[l * texels + t];
       });
     }
     for (int view = first; view < last; ++view) {
-      if (Status status = writeView(flatPath(folder, view), filled[size_t(view - first)], side, lights); !status) return status;
+      if (Status status = writeView(flatPath(folder, view), filled[size_t(view - first)], side, lights);
+          !status)
+        return status;
       progress.advance();
     }
   }

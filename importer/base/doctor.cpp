@@ -1,6 +1,8 @@
 #include "importer/base/doctor.h"
 
+#include <Eigen/src/Core/util/Macros.h>
 #include <OpenImageIO/imageio.h>
+#include <ceres/version.h>
 #include <embree3/rtcore_config.h>
 #include <opensubdiv/version.h>
 #include <sys/sysinfo.h>
@@ -8,8 +10,6 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include <Eigen/src/Core/util/Macros.h>
-#include <ceres/version.h>
 #include <fstream>
 #include <thread>
 
@@ -23,7 +23,9 @@ std::string processorName() {
   return "unknown";
 }
 
-std::string mebibytes(unsigned long units, unsigned unit) { return std::to_string(units / 1024 * unit / 1024) + " MiB"; }
+std::string mebibytes(unsigned long units, unsigned unit) {
+  return std::to_string(units / 1024 * unit / 1024) + " MiB";
+}
 
 std::string xxhashVersion() {
   const unsigned v = XXH_versionNumber();
@@ -35,15 +37,16 @@ std::string xxhashVersion() {
 std::vector<std::pair<std::string, std::string>> systemFacts() {
   struct sysinfo memory {};
   sysinfo(&memory);
-  const std::string eigen = std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +
-                            std::to_string(EIGEN_MINOR_VERSION);
+  const std::string eigen = std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) +
+                            "." + std::to_string(EIGEN_MINOR_VERSION);
   return {{"processor", processorName()},
           {"threads", std::to_string(std::thread::hardware_concurrency())},
           {"memory", mebibytes(memory.totalram, memory.mem_unit)},
           {"memory free", mebibytes(memory.freeram + memory.bufferram, memory.mem_unit)},
           {"Embree", RTC_VERSION_STRING},
           {"OpenImageIO", OIIO_VERSION_STRING},
-          {"OpenSubdiv", std::to_string(OPENSUBDIV_VERSION_MAJOR) + "." + std::to_string(OPENSUBDIV_VERSION_MINOR) + "." +
+          {"OpenSubdiv", std::to_string(OPENSUBDIV_VERSION_MAJOR) + "." +
+                             std::to_string(OPENSUBDIV_VERSION_MINOR) + "." +
                              std::to_string(OPENSUBDIV_VERSION_PATCH)},
           {"oneTBB", TBB_runtime_version()},
           {"Eigen", eigen},

@@ -37,7 +37,8 @@ Status checkOpens(const std::filesystem::path& path, Openable what) {
   if (file < 0) return cannot(issue_id::kCannotOpen, path, "cannot be opened", errno);
   ::close(file);
   std::error_code error;
-  if (what == Openable::kFile && std::filesystem::is_directory(path, error)) return cannot(issue_id::kCannotOpen, path, "cannot be opened", EISDIR);
+  if (what == Openable::kFile && std::filesystem::is_directory(path, error))
+    return cannot(issue_id::kCannotOpen, path, "cannot be opened", EISDIR);
   return {};
 }
 

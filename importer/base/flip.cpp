@@ -17,10 +17,9 @@ struct Planes {
 };
 
 // sRGB primaries, D65, with the constants that the authors use, so that white has exactly Y = 1.
-constexpr double kXyzFromRgb[3][3] = {
-    {10135552. / 24577794., 8788810. / 24577794., 4435075. / 24577794.},
-    {2613072. / 12288897., 8788810. / 12288897., 887015. / 12288897.},
-    {1425072. / 73733382., 8788810. / 73733382., 70074185. / 73733382.}};
+constexpr double kXyzFromRgb[3][3] = {{10135552. / 24577794., 8788810. / 24577794., 4435075. / 24577794.},
+                                      {2613072. / 12288897., 8788810. / 12288897., 887015. / 12288897.},
+                                      {1425072. / 73733382., 8788810. / 73733382., 70074185. / 73733382.}};
 const glm::dvec3 kWhite{kXyzFromRgb[0][0] + kXyzFromRgb[0][1] + kXyzFromRgb[0][2], 1,
                         kXyzFromRgb[2][0] + kXyzFromRgb[2][1] + kXyzFromRgb[2][2]};
 
@@ -52,7 +51,9 @@ glm::dvec3 labFromXyz(const glm::dvec3& xyz) {
 }
 
 // Colours look less colourful where it is dark (Hunt effect).
-glm::dvec3 huntAdjusted(const glm::dvec3& lab) { return {lab.x, lab.y * 0.01 * lab.x, lab.z * 0.01 * lab.x}; }
+glm::dvec3 huntAdjusted(const glm::dvec3& lab) {
+  return {lab.x, lab.y * 0.01 * lab.x, lab.z * 0.01 * lab.x};
+}
 
 double hyab(const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 d = a - b;
@@ -105,7 +106,8 @@ Planes opponentPlanes(std::span<const glm::vec3> rgb, int width, int height) {
   return planes;
 }
 
-// Spatial filters: contrast sensitivity of the eye, a sum of Gaussians per channel: a sqrt(pi / b) exp(-pi^2 x^2 / b).
+// Spatial filters: contrast sensitivity of the eye, a sum of Gaussians per channel: a sqrt(pi / b) exp(-pi^2
+// x^2 / b).
 Planes filteredByContrast(const Planes& in, double ppd) {
   struct Term {
     double a, b;
@@ -143,7 +145,8 @@ std::vector<glm::dvec3> perceivedColors(const Planes& opponent, double ppd) {
   return lab;
 }
 
-// The colour difference, compressed and mapped to [0, 1]: 0.4 of the largest distance takes 0.95 of the range.
+// The colour difference, compressed and mapped to [0, 1]: 0.4 of the largest distance takes 0.95 of the
+// range.
 double remappedColorDifference(double distance) {
   static const double kLargest = [] {
     const glm::dmat3 m = xyzFromRgbMatrix();
@@ -199,8 +202,10 @@ FlipError flip(std::span<const glm::vec3> reference, std::span<const glm::vec3> 
                double pixels_per_degree) {
   LODEN_CHECK_EQ(reference.size(), size_t(width) * height);
   LODEN_CHECK_EQ(test.size(), reference.size());
-  const Planes planes_r = opponentPlanes(reference, width, height), planes_t = opponentPlanes(test, width, height);
-  const auto colors_r = perceivedColors(planes_r, pixels_per_degree), colors_t = perceivedColors(planes_t, pixels_per_degree);
+  const Planes planes_r = opponentPlanes(reference, width, height),
+               planes_t = opponentPlanes(test, width, height);
+  const auto colors_r = perceivedColors(planes_r, pixels_per_degree),
+             colors_t = perceivedColors(planes_t, pixels_per_degree);
   const Features features_r = detectFeatures(planes_r, pixels_per_degree);
   const Features features_t = detectFeatures(planes_t, pixels_per_degree);
 
@@ -210,7 +215,8 @@ FlipError flip(std::span<const glm::vec3> reference, std::span<const glm::vec3> 
     const double color = remappedColorDifference(hyab(colors_r[i], colors_t[i]));
     const double feature = std::max(std::abs(features_r.edges[i] - features_t.edges[i]),
                                     std::abs(features_r.points[i] - features_t.points[i]));
-    const double value = std::pow(color, 1 - std::sqrt(feature / std::sqrt(2.0)));  // colour and feature differences joined
+    const double value =
+        std::pow(color, 1 - std::sqrt(feature / std::sqrt(2.0)));  // colour and feature differences joined
     error.mean += value;
     error.max = std::max(error.max, value);
     error.pixels.push_back(static_cast<float>(value));

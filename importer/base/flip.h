@@ -1,4 +1,5 @@
-// FLIP for low dynamic range pictures (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images").
+// FLIP for low dynamic range pictures (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating
+// Images").
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,8 +12,8 @@ namespace loden::importer {
 inline constexpr double kFlipPixelsPerDegree = 67.0206;
 
 struct FlipError {
-  double mean = 0, max = 0;    // 0 equal .. 1 as different as can be
-  std::vector<float> pixels;   // width * height
+  double mean = 0, max = 0;   // 0 equal .. 1 as different as can be
+  std::vector<float> pixels;  // width * height
 };
 
 // Linear RGB of both pictures, width * height, x fastest; values are clamped to [0, 1].

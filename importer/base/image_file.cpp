@@ -21,9 +21,12 @@ fs::path temporaryName(const fs::path& path) {
 
 OIIO::TypeDesc oiioType(PixelType type) {
   switch (type) {
-    case PixelType::kHalf: return OIIO::TypeDesc::HALF;
-    case PixelType::kFloat: return OIIO::TypeDesc::FLOAT;
-    case PixelType::kByte: return OIIO::TypeDesc::UINT8;
+    case PixelType::kHalf:
+      return OIIO::TypeDesc::HALF;
+    case PixelType::kFloat:
+      return OIIO::TypeDesc::FLOAT;
+    case PixelType::kByte:
+      return OIIO::TypeDesc::UINT8;
   }
   return OIIO::TypeDesc::FLOAT;
 }
@@ -34,7 +37,8 @@ Issue cannotWrite(const fs::path& path, const std::string& why) {
 
 }  // namespace
 
-Status writeImage(const fs::path& path, int width, int height, int channels, PixelType type, std::span<const float> pixels) {
+Status writeImage(const fs::path& path, int width, int height, int channels, PixelType type,
+                  std::span<const float> pixels) {
   LODEN_CHECK_EQ(pixels.size(), size_t(width) * size_t(height) * size_t(channels));
   TemporaryFile temporary(temporaryName(path));
   const auto output = OIIO::ImageOutput::create(temporary.path().string());
@@ -52,7 +56,9 @@ Status writeImage(const fs::path& path, int width, int height, int channels, Pix
 Result<Image> readImage(const fs::path& path) {
   if (Status status = checkOpens(path, Openable::kFile); !status) return status.issue();
   const auto input = OIIO::ImageInput::open(path.string());
-  if (!input) return Issue{issue_id::kImage, Severity::kError, path.string(), "is no image that can be read: " + OIIO::geterror()};
+  if (!input)
+    return Issue{issue_id::kImage, Severity::kError, path.string(),
+                 "is no image that can be read: " + OIIO::geterror()};
   const OIIO::ImageSpec& spec = input->spec();
   Image image{spec.width, spec.height, spec.nchannels, {}};
   image.pixels.resize(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels));

@@ -1,4 +1,5 @@
-// Differences between linear RGB values, in the colour spaces of material/model/color.h; white Lambert lit from above = 1.
+// Differences between linear RGB values, in the colour spaces of material/model/color.h; white Lambert lit
+// from above = 1.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,8 @@ namespace loden::importer {
 
 // Uniform in [0, 1) for a lattice point; integer arithmetic only (Wang's hash).
 inline double latticeRandom(int x, int y, uint32_t seed) {
-  uint32_t h = static_cast<uint32_t>(x) * 0x9E3779B1u ^ static_cast<uint32_t>(y) * 0x85EBCA77u ^ seed * 0xC2B2AE3Du;
+  uint32_t h =
+      static_cast<uint32_t>(x) * 0x9E3779B1u ^ static_cast<uint32_t>(y) * 0x85EBCA77u ^ seed * 0xC2B2AE3Du;
   h = (h ^ 61u) ^ (h >> 16);
   h *= 9u;
   h ^= h >> 4;
@@ -18,9 +19,12 @@ inline double latticeRandom(int x, int y, uint32_t seed) {
   return h / 4294967296.0;
 }
 
-inline int wrapIndex(int i, int n) { return (i % n + n) % n; }
+inline int wrapIndex(int i, int n) {
+  return (i % n + n) % n;
+}
 
-// Value noise in [-1, 1], twice differentiable, period 1 in both coordinates; cells.x by cells.y lattice points.
+// Value noise in [-1, 1], twice differentiable, period 1 in both coordinates; cells.x by cells.y lattice
+// points.
 inline double periodicNoise(glm::dvec2 p, glm::ivec2 cells, uint32_t seed) {
   const glm::dvec2 q = p * glm::dvec2(cells);
   const glm::dvec2 base = glm::floor(q), f = q - base;
@@ -36,7 +40,8 @@ inline double periodicNoise(glm::dvec2 p, glm::ivec2 cells, uint32_t seed) {
 // Octaves of the same, each twice as fine and half as strong; in (-2, 2).
 inline double periodicFractal(glm::dvec2 p, glm::ivec2 cells, int octaves, uint32_t seed) {
   double sum = 0, strength = 1;
-  for (int o = 0; o < octaves; ++o, cells *= 2, strength *= 0.5) sum += strength * periodicNoise(p, cells, seed + o);
+  for (int o = 0; o < octaves; ++o, cells *= 2, strength *= 0.5)
+    sum += strength * periodicNoise(p, cells, seed + o);
   return sum;
 }
 

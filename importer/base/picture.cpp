@@ -11,8 +11,8 @@
 
 #include "importer/base/file_read.h"
 #include "importer/base/temporary_file.h"
-#include "material/model/color.h"
 #include "material/base/issues.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 namespace {
@@ -46,7 +46,8 @@ Picture fromChannels(const std::vector<float>& values, int width, int height, in
   const bool gray = channels < 3;
   for (size_t i = 0; i < picture.pixels.size(); ++i) {
     const float* in = &values[i * channels];
-    for (int c = 0; c < 3; ++c) picture.pixels[i][c] = srgb ? decodedSrgb(in[gray ? 0 : c]) : in[gray ? 0 : c];
+    for (int c = 0; c < 3; ++c)
+      picture.pixels[i][c] = srgb ? decodedSrgb(in[gray ? 0 : c]) : in[gray ? 0 : c];
     if (channels == 2 || channels >= 4) picture.pixels[i].w = in[channels == 2 ? 1 : 3];
   }
   return picture;
@@ -62,11 +63,14 @@ std::vector<unsigned char> rgb8From(const Picture& picture) {
 
 std::string loweredExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
 
-bool isInteger(const std::string& extension) { return extension == ".png" || extension == ".jpg" || extension == ".jpeg"; }
+bool isInteger(const std::string& extension) {
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
 
 }  // namespace
 
@@ -87,7 +91,8 @@ Result<Picture> readPicture(const std::filesystem::path& path) {
 Status checkPictureName(const std::filesystem::path& path) {
   const std::string extension = loweredExtension(path);
   if (isInteger(extension) || extension == ".exr" || extension == ".hdr") return {};
-  return Issue{issue_id::kOption, Severity::kError, path.string(), "output must end in .exr, .hdr, .png or .jpg"};
+  return Issue{issue_id::kOption, Severity::kError, path.string(),
+               "output must end in .exr, .hdr, .png or .jpg"};
 }
 
 Status writePicture(const Picture& picture, const std::filesystem::path& path) {
@@ -102,8 +107,9 @@ Status writePicture(const Picture& picture, const std::filesystem::path& path) {
   const Issue cannot{issue_id::kCannotWrite, Severity::kError, path.string(),
                      "cannot be written; does the folder exist, and is there room?"};
   if (!output || !output->open(temporary.path().string(), spec)) return cannot;
-  const bool written = integer ? output->write_image(OIIO::TypeUInt8, rgb8From(picture).data())
-                               : output->write_image(OIIO::TypeFloat, picture.pixels.data(), sizeof(glm::vec4));
+  const bool written = integer
+                           ? output->write_image(OIIO::TypeUInt8, rgb8From(picture).data())
+                           : output->write_image(OIIO::TypeFloat, picture.pixels.data(), sizeof(glm::vec4));
   if (!output->close() || !written || temporary.renameTo(path)) return cannot;
   return {};
 }

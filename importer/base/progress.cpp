@@ -52,13 +52,14 @@ void Progress::print(const std::string& note, bool last) {
   const std::string time = last ? duration(elapsed) : duration(left) + " left";
   const char* gap = note.empty() ? "" : "  ";
   if (!terminal_) {
-    std::fprintf(stderr, "%s: %3.0f %%  %s%s%s\n", label_.c_str(), 100 * share, time.c_str(), gap, note.c_str());
+    std::fprintf(stderr, "%s: %3.0f %%  %s%s%s\n", label_.c_str(), 100 * share, time.c_str(), gap,
+                 note.c_str());
     return;
   }
   const int filled = static_cast<int>(share * kBarColumns);
   const std::string bar = std::string(filled, '#') + std::string(kBarColumns - filled, '-');
-  std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%  %s%s%s%s", label_.c_str(), bar.c_str(), 100 * share, time.c_str(), gap,
-               note.c_str(), last ? "\n" : "");
+  std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%  %s%s%s%s", label_.c_str(), bar.c_str(), 100 * share,
+               time.c_str(), gap, note.c_str(), last ? "\n" : "");
   std::fflush(stderr);
 }
 

@@ -1,4 +1,5 @@
-// Progress of long work: a bar on stderr when that is a terminal, a line now and then otherwise, nothing if quiet.
+// Progress of long work: a bar on stderr when that is a terminal, a line now and then otherwise, nothing if
+// quiet.
 #pragma once
 
 #include <chrono>

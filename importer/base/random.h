@@ -1,8 +1,8 @@
 // Random numbers by counter: a value depends on its seed and index only, never on the order of calls.
 #pragma once
 
-#include <cstdint>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
 
 #include "material/model/directions.h"
@@ -18,7 +18,9 @@ inline uint64_t mixSeed(uint64_t seed, uint64_t index) {
 }
 
 // In [0, 1).
-inline double uniform(uint64_t seed, uint64_t index) { return double(mixSeed(seed, index) >> 11) * 0x1p-53; }
+inline double uniform(uint64_t seed, uint64_t index) {
+  return double(mixSeed(seed, index) >> 11) * 0x1p-53;
+}
 
 // Unit, density cosine / pi around the unit normal.
 inline glm::dvec3 cosineDirection(const glm::dvec3& normal, double u, double v) {

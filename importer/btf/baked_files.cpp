@@ -40,22 +40,33 @@ std::optional<DirectionSet> directionsFromJson(const nlohmann::json& json) {
 
 }  // namespace
 
-fs::path btfPath(const fs::path& folder, int view) { return viewPath(folder, "btf", view, "exr"); }
-fs::path flatPath(const fs::path& folder, int view) { return viewPath(folder, "flat", view, "exr"); }
-fs::path visiblePath(const fs::path& folder, int view) { return viewPath(folder, "visible", view, "png"); }
+fs::path btfPath(const fs::path& folder, int view) {
+  return viewPath(folder, "btf", view, "exr");
+}
+fs::path flatPath(const fs::path& folder, int view) {
+  return viewPath(folder, "flat", view, "exr");
+}
+fs::path visiblePath(const fs::path& folder, int view) {
+  return viewPath(folder, "visible", view, "png");
+}
 fs::path vdimPath(const fs::path& folder, glm::ivec2 size) {
   return folder / "vdim" / ("latlong_" + std::to_string(size.x) + "x" + std::to_string(size.y) + ".exr");
 }
 fs::path concentricVdimPath(const fs::path& folder, int directions) {
   return folder / "vdim" / ("concentric_" + std::to_string(directions) + ".exr");
 }
-fs::path surfacePath(const fs::path& folder, const std::string& map) { return folder / "surface" / (map + ".exr"); }
+fs::path surfacePath(const fs::path& folder, const std::string& map) {
+  return folder / "surface" / (map + ".exr");
+}
 
 const char* fillName(FillMethod method) {
   switch (method) {
-    case FillMethod::kHarmonic: return "harmonic";
-    case FillMethod::kNearestView: return "nearest-view";
-    default: return "push-pull";
+    case FillMethod::kHarmonic:
+      return "harmonic";
+    case FillMethod::kNearestView:
+      return "nearest-view";
+    default:
+      return "push-pull";
   }
 }
 
@@ -88,12 +99,18 @@ std::string manifestText(const BakeManifest& m) {
   if (!m.concentric_vdims.empty()) json["concentric_vdims"] = m.concentric_vdims;
   json["maps"] = {{"btf", m.has_btf}, {"flat", m.has_flat}, {"vdim", m.has_vdim}, {"surface", m.has_surface}};
   json["identity_parameterization"] = m.identity_parameterization;
-  json["parameterization"] = {{"flipped_triangles", m.flipped_triangles}, {"area_cv", m.area_cv}, {"area_p5", m.area_p5}, {"area_p95", m.area_p95}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+  json["parameterization"] = {{"flipped_triangles", m.flipped_triangles},
+                              {"area_cv", m.area_cv},
+                              {"area_p5", m.area_p5},
+                              {"area_p95", m.area_p95}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+         "\n";  // paths need not be UTF-8
 }
 
 Result<BakeManifest> parseManifest(const std::string& text, const std::string& where) {
-  const auto refuse = [&](const std::string& why) { return Issue{issue_id::kBakeManifest, Severity::kError, where, why}; };
+  const auto refuse = [&](const std::string& why) {
+    return Issue{issue_id::kBakeManifest, Severity::kError, where, why};
+  };
   try {
     const auto json = nlohmann::json::parse(text);
     if (json.at("schema") != kSchema) return refuse(std::string("schema is not ") + kSchema);
@@ -109,24 +126,31 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     const auto fill = fillByName(json.value("fill", "push-pull"));
     if (!fill) return refuse("fill is none of push-pull, harmonic, nearest-view");
     m.fill = *fill;
-    if (const std::string texels = json.value("texels", "mean"); texels == "linear") m.texels = TexelMethod::kLinear;
-    else if (texels != "mean") return refuse("texels is neither mean nor linear");
+    if (const std::string texels = json.value("texels", "mean"); texels == "linear")
+      m.texels = TexelMethod::kLinear;
+    else if (texels != "mean")
+      return refuse("texels is neither mean nor linear");
     for (const int side : {m.size, m.flat_size, m.geometry_size})
       if (side < 1 || side > kMaxSide) return refuse("a size is outside 1.." + std::to_string(kMaxSide));
     const auto directions = directionsFromJson(json.at("directions"));
-    if (!directions || directions->size() < 1 || directions->size() > kMaxDirections) return refuse("directions are not valid");
+    if (!directions || directions->size() < 1 || directions->size() > kMaxDirections)
+      return refuse("directions are not valid");
     m.directions = *directions;
-    for (const auto& size : json.at("vdims")) m.vdims.push_back({size.at(0).get<int>(), size.at(1).get<int>()});
+    for (const auto& size : json.at("vdims"))
+      m.vdims.push_back({size.at(0).get<int>(), size.at(1).get<int>()});
     m.concentric_vdims = json.value("concentric_vdims", std::vector<int>());
     for (const glm::ivec2& size : m.vdims)
-      if (size.x < 2 || size.y < 2 || size.x > kMaxVdimSide || size.y > kMaxVdimSide) return refuse("a size in vdims is outside 2.." + std::to_string(kMaxVdimSide));
+      if (size.x < 2 || size.y < 2 || size.x > kMaxVdimSide || size.y > kMaxVdimSide)
+        return refuse("a size in vdims is outside 2.." + std::to_string(kMaxVdimSide));
     for (const int side : m.concentric_vdims)
-      if (side < 1 || side > kMaxVdimSide) return refuse("a size in concentric_vdims is outside 1.." + std::to_string(kMaxVdimSide));
+      if (side < 1 || side > kMaxVdimSide)
+        return refuse("a size in concentric_vdims is outside 1.." + std::to_string(kMaxVdimSide));
     const auto& maps = json.at("maps");
     m.has_btf = maps.at("btf").get<bool>(), m.has_flat = maps.at("flat").get<bool>();
     m.has_vdim = maps.at("vdim").get<bool>(), m.has_surface = maps.at("surface").get<bool>();
     m.identity_parameterization = json.at("identity_parameterization").get<bool>();
-    if (const auto quality = json.find("parameterization"); quality != json.end()) {  // other tools may not know
+    if (const auto quality = json.find("parameterization");
+        quality != json.end()) {  // other tools may not know
       m.flipped_triangles = quality->at("flipped_triangles").get<int>();
       m.area_cv = quality->at("area_cv").get<double>();
       m.area_p5 = quality->at("area_p5").get<double>(), m.area_p95 = quality->at("area_p95").get<double>();

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "importer/btf/baked_files.h"
 #include "importer/base/file_read.h"
 #include "importer/base/image_file.h"
 #include "importer/base/repair_log.h"
+#include "importer/btf/baked_files.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -24,8 +24,8 @@ Result<Image> readSized(const fs::path& path, int width, int height, int channel
   if (image->width != width || image->height != height || image->channels != channels)
     return Issue{issue_id::kImage, Severity::kError, path.string(),
                  "is " + std::to_string(image->width) + " x " + std::to_string(image->height) + " x " +
-                     std::to_string(image->channels) + "; bake.json asks for " + std::to_string(width) + " x " +
-                     std::to_string(height) + " x " + std::to_string(channels)};
+                     std::to_string(image->channels) + "; bake.json asks for " + std::to_string(width) +
+                     " x " + std::to_string(height) + " x " + std::to_string(channels)};
   return image;
 }
 
@@ -46,20 +46,23 @@ template <class Texel>
 std::vector<Texel> texelsOf(const Image& image) {
   std::vector<Texel> texels(size_t(image.width) * size_t(image.height));
   for (size_t t = 0; t < texels.size(); ++t)
-    for (int c = 0; c < image.channels; ++c) texels[t][c] = image.pixels[t * size_t(image.channels) + size_t(c)];
+    for (int c = 0; c < image.channels; ++c)
+      texels[t][c] = image.pixels[t * size_t(image.channels) + size_t(c)];
   return texels;
 }
 
 // Refuses values that are not finite, or repairs them and says so in the log. `part`: the map in messages.
 template <class Texel>
-Status makeFinite(std::vector<Texel>& texels, const MapShape& shape, const char* part, const fs::path& path, RepairLog* repairs) {
+Status makeFinite(std::vector<Texel>& texels, const MapShape& shape, const char* part, const fs::path& path,
+                  RepairLog* repairs) {
   const std::span<float> values(&texels.data()->x, texels.size() * size_t(Texel::length()));
   const NonFinite bad = repairs ? repairNonFinite(values, shape) : findNonFinite(values);
   if (bad.count == 0) return {};
   const std::string place = placeOf(bad.first, shape, shape.layers > 1 ? "direction" : "");
   if (repairs) return repairs->add(part, bad.count, place), Status();
   return Issue{issue_id::kNonFinite, Severity::kError, path.string(),
-               std::to_string(bad.count) + " values are not finite, the first at " + place + "; --fix-nonfinite repairs them"};
+               std::to_string(bad.count) + " values are not finite, the first at " + place +
+                   "; --fix-nonfinite repairs them"};
 }
 
 }  // namespace
@@ -69,8 +72,9 @@ Result<BakedOutput> BakedOutput::open(const fs::path& folder, std::shared_ptr<Re
   std::error_code error;
   if (Status status = checkOpens(folder, Openable::kFileOrFolder); !status) return status.issue();
   if (!fs::exists(path, error))
-    return Issue{issue_id::kBakeIncomplete, Severity::kError, folder.string(),
-                 "no bake.json: not a baked output, or a bake that has not finished (bake again with --resume)"};
+    return Issue{
+        issue_id::kBakeIncomplete, Severity::kError, folder.string(),
+        "no bake.json: not a baked output, or a bake that has not finished (bake again with --resume)"};
   const auto text = readFile(path);
   if (!text) return text.issue();
   auto manifest = parseManifest(*text, path.string());
@@ -90,13 +94,15 @@ BakedOutput BakedOutput::unfinished(const fs::path& folder, BakeManifest manifes
 Result<std::vector<glm::vec3>> BakedOutput::btfView(int view) const {
   LODEN_CHECK_LT(view, manifest_.directions.size());
   if (!manifest_.has_btf) return missingMap(folder_, "btf");
-  return readAtlas(btfPath(folder_, view), AtlasLayout::forLights(manifest_.size, manifest_.directions.size()));
+  return readAtlas(btfPath(folder_, view),
+                   AtlasLayout::forLights(manifest_.size, manifest_.directions.size()));
 }
 
 Result<std::vector<glm::vec3>> BakedOutput::flatView(int view) const {
   LODEN_CHECK_LT(view, manifest_.directions.size());
   if (!manifest_.has_flat) return missingMap(folder_, "flat");
-  return readAtlas(flatPath(folder_, view), AtlasLayout::forLights(manifest_.flat_size, manifest_.directions.size()));
+  return readAtlas(flatPath(folder_, view),
+                   AtlasLayout::forLights(manifest_.flat_size, manifest_.directions.size()));
 }
 
 Result<std::vector<float>> BakedOutput::visibleView(int view) const {
@@ -121,14 +127,16 @@ Result<std::vector<glm::vec2>> BakedOutput::vdim(int zeniths, int azimuths) cons
         const float* pixel = &image->pixels[2 * layout.pixel(cell, i, j)];
         values.emplace_back(pixel[0], pixel[1]);
       }
-  const Status finite = makeFinite(values, {layout.cells, side, side, 2}, "vdim", vdimPath(folder_, {zeniths, azimuths}), repairs_.get());
+  const Status finite = makeFinite(values, {layout.cells, side, side, 2}, "vdim",
+                                   vdimPath(folder_, {zeniths, azimuths}), repairs_.get());
   if (!finite) return finite.issue();
   return values;
 }
 
 Result<std::vector<float>> BakedOutput::concentricVdim(int directions) const {
   const int side = manifest_.size;
-  const auto image = readSized(concentricVdimPath(folder_, directions), side * directions, side * directions, 1);
+  const auto image =
+      readSized(concentricVdimPath(folder_, directions), side * directions, side * directions, 1);
   if (!image) return image.issue();
   const AtlasLayout layout{side, directions * directions, directions};
   std::vector<float> values;
@@ -149,7 +157,8 @@ Result<std::vector<glm::vec4>> BakedOutput::geometry() const {
   std::vector<size_t> without_chart;  // charts have no mean: a repaired one is none
   for (size_t t = 0; t < texels.size(); ++t)
     if (!std::isfinite(texels[t].w)) without_chart.push_back(t);
-  if (const Status finite = makeFinite(texels, {1, side, side, 4}, "geometry", path, repairs_.get()); !finite) return finite.issue();
+  if (const Status finite = makeFinite(texels, {1, side, side, 4}, "geometry", path, repairs_.get()); !finite)
+    return finite.issue();
   for (const size_t t : without_chart) texels[t].w = 0;
   return texels;
 }

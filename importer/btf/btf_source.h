@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "importer/btf/baked_output.h"
-#include "material/model/directions.h"
-#include "material/eval/evaluate.h"
 #include "material/base/result.h"
+#include "material/eval/evaluate.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 
@@ -29,14 +29,14 @@ class BtfSource {
 // The BTF of a bake. It must have one. Repaired if the bake has a log of repairs.
 Result<std::unique_ptr<BtfSource>> bakedSource(BakedOutput baked);
 
-// Makes the evaluator of the asset at `path` ready for a lookup that was asked for by name, and returns the one that it will
-// serve: as in the runtime, kPaper for kDefault where there is only the published map. Mode lod has no parallax to look
-// up. Issues: kOption where the asset has not got what the lookup reads.
+// Makes the evaluator of the asset at `path` ready for a lookup that was asked for by name, and returns the
+// one that it will serve: as in the runtime, kPaper for kDefault where there is only the published map. Mode
+// lod has no parallax to look up. Issues: kOption where the asset has not got what the lookup reads.
 Result<Lookup> prepareLookup(Evaluator& evaluator, Lookup lookup, const std::filesystem::path& path);
 
 // A material at the centres of `side` x `side` texels. The evaluator must outlive it.
 struct MaterialSampling {
-  int side = 0;            // 0: the material's own at lambda
+  int side = 0;  // 0: the material's own at lambda
   double lambda = 0;
   Lookup lookup = Lookup::kDefault;
   Domain domain = Domain::kReference;  // flat: the texel is p itself, so that no parallax is seen

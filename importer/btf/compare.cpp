@@ -25,22 +25,25 @@ Issue mismatch(const BtfSource& reference, const BtfSource& test, const std::str
   return {issue_id::kOption, Severity::kError, reference.name() + " and " + test.name(), what};
 }
 
-std::string extentText(glm::ivec2 size) { return std::to_string(size.x) + "x" + std::to_string(size.y); }
+std::string extentText(glm::ivec2 size) {
+  return std::to_string(size.x) + "x" + std::to_string(size.y);
+}
 
 Status checkComparable(const BtfSource& reference, const BtfSource& test, int level) {
   const int block = 1 << level;
   if (reference.size().x % block || reference.size().y % block)
     return mismatch(reference, test, extentText(reference.size()) + " texels cannot be halved that often");
   if (reference.size() / block != test.size())
-    return mismatch(reference, test,
-                    "have " + extentText(reference.size() / block) + " and " + extentText(test.size()) + " texels");
+    return mismatch(
+        reference, test,
+        "have " + extentText(reference.size() / block) + " and " + extentText(test.size()) + " texels");
   if (reference.views().size() != test.views().size() || reference.lights().size() != test.lights().size())
     return mismatch(reference, test, "are sampled at different directions");
   return {};
 }
 
-Result<ViewDifference> compareView(const BtfSource& reference, const BtfSource& test, const CompareOptions& options,
-                                   int view) {
+Result<ViewDifference> compareView(const BtfSource& reference, const BtfSource& test,
+                                   const CompareOptions& options, int view) {
   const auto truth = reference.view(view), candidate = test.view(view);
   if (!truth) return truth.issue();
   if (!candidate) return candidate.issue();
@@ -50,7 +53,8 @@ Result<ViewDifference> compareView(const BtfSource& reference, const BtfSource& 
   const int lights = reference.lights().size(), flip_light = 37 * view % lights;
   ViewDifference difference;
   const auto image = [&](int light) {
-    return boxAveraged(std::span(*truth).subspan(light * fine_texels, fine_texels), reference.size(), options.level);
+    return boxAveraged(std::span(*truth).subspan(light * fine_texels, fine_texels), reference.size(),
+                       options.level);
   };
   for (int light = 0; light < lights; light += options.every) {
     ErrorSums sums;
@@ -103,7 +107,8 @@ std::vector<glm::vec3> boxAveraged(std::span<const glm::vec3> image, glm::ivec2 
   return out;
 }
 
-Result<BtfDifference> compareBtfs(const BtfSource& reference, const BtfSource& test, const CompareOptions& options) {
+Result<BtfDifference> compareBtfs(const BtfSource& reference, const BtfSource& test,
+                                  const CompareOptions& options) {
   if (const Status status = checkComparable(reference, test, options.level); !status) return status.issue();
   const size_t count = (reference.views().size() + options.every - 1) / options.every;
   std::vector<std::optional<ViewDifference>> views(count);
@@ -111,8 +116,10 @@ Result<BtfDifference> compareBtfs(const BtfSource& reference, const BtfSource& t
   Progress progress("compare", count, options.quiet);
   parallelFor(count, options.threads, [&](size_t i) {
     auto difference = compareView(reference, test, options, static_cast<int>(i) * options.every);
-    if (difference) views[i] = std::move(*difference);
-    else issues[i] = difference.issue();
+    if (difference)
+      views[i] = std::move(*difference);
+    else
+      issues[i] = difference.issue();
     progress.advance();
   });
   for (const auto& issue : issues)

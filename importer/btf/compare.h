@@ -3,15 +3,15 @@
 
 #include <limits>
 
-#include "importer/btf/btf_source.h"
 #include "importer/base/metrics.h"
 #include "importer/base/picture.h"
+#include "importer/btf/btf_source.h"
 
 namespace loden::importer {
 
 struct CompareOptions {
-  int level = 0;       // the reference is averaged over 2^level x 2^level texels first
-  int every = 1;       // only every n-th view and light
+  int level = 0;  // the reference is averaged over 2^level x 2^level texels first
+  int every = 1;  // only every n-th view and light
   int threads = 0;
   bool quiet = false;
 };
@@ -30,7 +30,8 @@ struct BtfDifference {
 };
 
 // Both must have the same texels (after averaging), lights and views. Deterministic at any number of threads.
-Result<BtfDifference> compareBtfs(const BtfSource& reference, const BtfSource& test, const CompareOptions& options);
+Result<BtfDifference> compareBtfs(const BtfSource& reference, const BtfSource& test,
+                                  const CompareOptions& options);
 
 struct PictureDifference {
   ErrorSums all;

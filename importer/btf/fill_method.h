@@ -5,8 +5,8 @@ namespace loden::importer {
 
 // What a view does not see.
 enum class FillMethod {
-  kPushPull,     // as published (FBTF 3.3)
-  kHarmonic,     // every undefined texel is the mean of its neighbours: no steps, and linear ramps stay linear
+  kPushPull,  // as published (FBTF 3.3)
+  kHarmonic,  // every undefined texel is the mean of its neighbours: no steps, and linear ramps stay linear
   kNearestView,  // as the texel looks from the nearest view that sees it; push-pull where none does
 };
 

@@ -7,7 +7,8 @@ namespace {
 
 class RepairedSource : public BtfSource {
  public:
-  RepairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log) : source_(std::move(source)), log_(std::move(log)) {}
+  RepairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log)
+      : source_(std::move(source)), log_(std::move(log)) {}
   const std::string& name() const override { return source_->name(); }
   glm::ivec2 size() const override { return source_->size(); }
   const DirectionSet& lights() const override { return source_->lights(); }

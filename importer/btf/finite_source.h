@@ -8,7 +8,8 @@
 
 namespace loden::importer {
 
-// The source, repaired view by view and noted in the log. Colours that are not finite are replaced channel by channel.
+// The source, repaired view by view and noted in the log. Colours that are not finite are replaced channel by
+// channel.
 std::unique_ptr<BtfSource> repairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log);
 
 }  // namespace loden::importer

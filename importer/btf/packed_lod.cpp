@@ -11,7 +11,8 @@ bool isPublishedForm(const Material& m) {
   if (m.mode != Mode::kLod || m.bands.empty()) return false;
   int side = m.side;
   for (const Band& band : m.bands) {
-    if (band.layout != TableLayout::kNearest || band.y_quads != 2 || band.chroma_quads != 1 || band.ratio) return false;
+    if (band.layout != TableLayout::kNearest || band.y_quads != 2 || band.chroma_quads != 1 || band.ratio)
+      return false;
     if (band.weights.width != side || side < 1) return false;
     side /= 2;
   }
@@ -28,7 +29,8 @@ void packTable(const Band& band, int level, Picture& eigen) {
   for (int quad = 0; quad < kQuads; ++quad)
     for (int v = 0; v < views; ++v)
       for (int l = 0; l < lights; ++l)
-        eigen.at(quad * lights + l, level * views + v) = fetchTexel(band.table, 0, l, v, quad) * band.quad_scale[size_t(quad)];
+        eigen.at(quad * lights + l, level * views + v) =
+            fetchTexel(band.table, 0, l, v, quad) * band.quad_scale[size_t(quad)];
 }
 
 void packWeights(const Band& band, glm::ivec2 corner, Picture& weights) {
@@ -36,7 +38,8 @@ void packWeights(const Band& band, glm::ivec2 corner, Picture& weights) {
   for (int quad = 0; quad < kQuads; ++quad)
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i)
-        weights.at(corner.x + quad % 2 * side + i, corner.y + quad / 2 * side + j) = fetchTexel(band.weights, 0, i, j, quad);
+        weights.at(corner.x + quad % 2 * side + i, corner.y + quad / 2 * side + j) =
+            fetchTexel(band.weights, 0, i, j, quad);
 }
 
 }  // namespace

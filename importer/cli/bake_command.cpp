@@ -3,11 +3,11 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/bake/bake.h"
+#include "importer/base/repair_log.h"
 #include "importer/btf/baked_files.h"
 #include "importer/btf/btf_source.h"
-#include "importer/cli/output.h"
 #include "importer/btf/measured/bonn_folder.h"
-#include "importer/base/repair_log.h"
+#include "importer/cli/output.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -22,12 +22,14 @@ Status parseVdim(const std::string& text, BakeOptions& bake) {
   if (text.starts_with("concentric:")) {
     int side = 0, used = 0;
     const std::string number = text.substr(11);
-    if (std::sscanf(number.c_str(), "%d%n", &side, &used) != 1 || used != static_cast<int>(number.size()) || side < 1 || side > 256)
+    if (std::sscanf(number.c_str(), "%d%n", &side, &used) != 1 || used != static_cast<int>(number.size()) ||
+        side < 1 || side > 256)
       return optionIssue("--vdim", "'" + text + "' is not concentric:N with N from 1 to 256");
     bake.concentric_vdims.push_back(side);
     return {};
   }
-  if (!text.starts_with("latlong:")) return optionIssue("--vdim", "'" + text + "' is neither latlong:ZxA nor concentric:N");
+  if (!text.starts_with("latlong:"))
+    return optionIssue("--vdim", "'" + text + "' is neither latlong:ZxA nor concentric:N");
   const auto extent = parseExtent("--vdim", text.substr(8));
   if (!extent) return extent.issue();
   if (extent->x < 2 || extent->y < 2 || extent->x > 256 || extent->y > 256)
@@ -39,11 +41,16 @@ Status parseVdim(const std::string& text, BakeOptions& bake) {
 Result<BakeMaps> parseMaps(const std::vector<std::string>& names) {
   BakeMaps maps{false, false, false, false};
   for (const std::string& name : names) {
-    if (name == "btf") maps.btf = true;
-    else if (name == "flat") maps.flat = true;
-    else if (name == "vdim") maps.vdim = true;
-    else if (name == "surface") maps.surface = true;
-    else return optionIssue("--maps", "'" + name + "' is none of btf, flat, vdim, surface");
+    if (name == "btf")
+      maps.btf = true;
+    else if (name == "flat")
+      maps.flat = true;
+    else if (name == "vdim")
+      maps.vdim = true;
+    else if (name == "surface")
+      maps.surface = true;
+    else
+      return optionIssue("--maps", "'" + name + "' is none of btf, flat, vdim, surface");
   }
   return maps;
 }
@@ -51,25 +58,35 @@ Result<BakeMaps> parseMaps(const std::vector<std::string>& names) {
 class BakeCommand : public Command {
  public:
   std::string_view name() const override { return "bake"; }
-  std::string_view summary() const override { return "Bake a tile: BTF, Flat-BTF, VDIM and surface maps into a folder"; }
+  std::string_view summary() const override {
+    return "Bake a tile: BTF, Flat-BTF, VDIM and surface maps into a folder";
+  }
 
   void declare(Options& options) override {
-    options.text("tile", tile_, "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
+    options.text("tile", tile_,
+                 "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, "Folder to fill", true);
     options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
     options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
-    options.integer("--geometry-size", bake_.geometry_size, "Texels per side of the geometry image; 0: 128, or as --size if that is more", 0, 2048);
+    options.integer("--geometry-size", bake_.geometry_size,
+                    "Texels per side of the geometry image; 0: 128, or as --size if that is more", 0, 2048);
     options.text("--directions", directions_, "Sampled lights and views: bonn81, ubo151 or NxN (concentric)");
-    options.texts("--vdim", vdims_, "Indirection maps, with commas between: latlong:ZxA (p - x), concentric:N (depths on the runtime's grid; no cook needs it, see extract)");
+    options.texts("--vdim", vdims_,
+                  "Indirection maps, with commas between: latlong:ZxA (p - x), concentric:N (depths on the "
+                  "runtime's grid; no cook needs it, see extract)");
     options.integer("--supersample", bake_.supersample, "Samples per texel side", 1, 16);
     options.integer("--bounces", bake_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
-    options.choice("--fill", fill_, {"push-pull", "harmonic", "nearest-view"}, "How texels that a view does not see are filled");
-    options.choice("--texels", texels_, {"mean", "linear"}, "Flat-BTF texels: means, or fitted to the linear filter that reads them");
+    options.choice("--fill", fill_, {"push-pull", "harmonic", "nearest-view"},
+                   "How texels that a view does not see are filled");
+    options.choice("--texels", texels_, {"mean", "linear"},
+                   "Flat-BTF texels: means, or fitted to the linear filter that reads them");
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
     options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
-    options.flag("--fix-nonfinite", fix_nonfinite_, "Repair vertices whose values are not finite from their neighbours, and say so");
+    options.flag("--fix-nonfinite", fix_nonfinite_,
+                 "Repair vertices whose values are not finite from their neighbours, and say so");
     options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
-    options.choice("--layout", layout_, {"loden", "bonn"}, "bonn: also write the BTF as Bonn's image folder, into DIR/bonn");
+    options.choice("--layout", layout_, {"loden", "bonn"},
+                   "bonn: also write the BTF as Bonn's image folder, into DIR/bonn");
     options.choice("--encoding", encoding_, {"jpg", "hdr", "exr"}, "Images of --layout bonn");
     options.text("--shard", shard_, "I/N: do every N-th view, from I = 0; N runs fill one folder");
     options.footer("Example: loden bake builtin:pulli -o out/pulli --size 64");
@@ -84,7 +101,8 @@ class BakeCommand : public Command {
     noteRepairs(globals, repairs_.get());  // of a tile that is refused for something else, too
     if (!tile) return fail(tile.issue());
     noteWarnings(globals, tile->warnings);
-    if (std::error_code error; !bake_.resume && bake_.shards == 1 && std::filesystem::exists(output_ / "bake.json", error))
+    if (std::error_code error;
+        !bake_.resume && bake_.shards == 1 && std::filesystem::exists(output_ / "bake.json", error))
       note(globals, output_.string() + ": the finished bake that stands here is replaced");
     const auto report = bake(*tile, tile_, output_, bake_);
     if (!report) return fail(report.issue());
@@ -110,11 +128,15 @@ class BakeCommand : public Command {
     bake_.maps = *maps;
     int used = 0;
     if (std::sscanf(shard_.c_str(), "%d/%d%n", &bake_.shard, &bake_.shards, &used) != 2 ||
-        used != static_cast<int>(shard_.size()) || bake_.shards < 1 || bake_.shard < 0 || bake_.shard >= bake_.shards)
+        used != static_cast<int>(shard_.size()) || bake_.shards < 1 || bake_.shard < 0 ||
+        bake_.shard >= bake_.shards)
       return optionIssue("--shard", "'" + shard_ + "' is not I/N with 0 <= I < N");
-    if (layout_ == "bonn" && !bake_.maps.btf) return optionIssue("--layout bonn", "needs the BTF; name btf in --maps, too");
+    if (layout_ == "bonn" && !bake_.maps.btf)
+      return optionIssue("--layout bonn", "needs the BTF; name btf in --maps, too");
     if (layout_ == "bonn" && bake_.shards > 1)
-      return optionIssue("--layout bonn", "needs the whole bake; bake the shards first, then once more with --resume and --layout bonn");
+      return optionIssue(
+          "--layout bonn",
+          "needs the whole bake; bake the shards first, then once more with --resume and --layout bonn");
     return {};
   }
 
@@ -127,8 +149,11 @@ class BakeCommand : public Command {
     if (!source) return source.issue();
     std::error_code error;
     std::filesystem::remove_all(partial, error);
-    const BonnEncoding encoding = encoding_ == "jpg" ? BonnEncoding::kJpeg : encoding_ == "hdr" ? BonnEncoding::kHdr : BonnEncoding::kExr;
-    if (Status status = writeBonnFolder(**source, partial, encoding, globals.threads, globals.quiet); !status) return status;
+    const BonnEncoding encoding = encoding_ == "jpg"   ? BonnEncoding::kJpeg
+                                  : encoding_ == "hdr" ? BonnEncoding::kHdr
+                                                       : BonnEncoding::kExr;
+    if (Status status = writeBonnFolder(**source, partial, encoding, globals.threads, globals.quiet); !status)
+      return status;
     std::filesystem::remove_all(folder, error);
     std::filesystem::rename(partial, folder, error);
     if (error) return Issue{issue_id::kCannotWrite, Severity::kError, folder.string(), error.message()};
@@ -139,13 +164,20 @@ class BakeCommand : public Command {
     if (globals.json) {
       auto warnings = nlohmann::ordered_json::array();
       for (const Issue& warning : tile.warnings) warnings.push_back(issueJson(warning));
-      printJson("bake", {{"tile", tile_}, {"folder", output_.string()}, {"complete", report.complete},
-                         {"triangles", tile.triangles.size()}, {"rays", report.rays}, {"misses", report.misses},
-                         {"seconds", report.seconds}, {"repaired", repairsJson(repairs_.get())}, {"warnings", warnings}});
+      printJson("bake", {{"tile", tile_},
+                         {"folder", output_.string()},
+                         {"complete", report.complete},
+                         {"triangles", tile.triangles.size()},
+                         {"rays", report.rays},
+                         {"misses", report.misses},
+                         {"seconds", report.seconds},
+                         {"repaired", repairsJson(repairs_.get())},
+                         {"warnings", warnings}});
       return;
     }
     printText(formatted("%s: %s triangles, %s rays in %.1f s", output_.c_str(),
-                        withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(), report.seconds) +
+                        withThousands(tile.triangles.size()).c_str(), withThousands(report.rays).c_str(),
+                        report.seconds) +
               (report.complete ? "\n" : "; other shards are still to come\n"));
     if (report.complete) printParameterization();
   }
@@ -154,11 +186,14 @@ class BakeCommand : public Command {
     const auto baked = BakedOutput::open(output_);
     if (!baked) return;
     const BakeManifest& m = baked->manifest();
-    printText(formatted("parameterization: %d triangles flipped; area per texel: coefficient of variation %.3f, 5 %% below %.3f and 5 %% above %.3f of the mean\n",
-                        m.flipped_triangles, m.area_cv, m.area_p5, m.area_p95));
+    printText(
+        formatted("parameterization: %d triangles flipped; area per texel: coefficient of variation %.3f, 5 "
+                  "%% below %.3f and 5 %% above %.3f of the mean\n",
+                  m.flipped_triangles, m.area_cv, m.area_p5, m.area_p95));
   }
 
-  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg", fill_ = "push-pull", texels_ = "mean";
+  std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg",
+                     fill_ = "push-pull", texels_ = "mean";
   std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;
@@ -170,6 +205,8 @@ class BakeCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeBakeCommand() { return std::make_unique<BakeCommand>(); }
+std::unique_ptr<Command> makeBakeCommand() {
+  return std::make_unique<BakeCommand>();
+}
 
 }  // namespace loden::importer

@@ -29,11 +29,13 @@ class Options {
   explicit Options(Impl& impl) : impl_(impl) {}
 
   void text(const std::string& names, std::string& value, const std::string& help, bool required = false);
-  void path(const std::string& names, std::filesystem::path& value, const std::string& help, bool required = false);
+  void path(const std::string& names, std::filesystem::path& value, const std::string& help,
+            bool required = false);
   void paths(const std::string& names, std::vector<std::filesystem::path>& value, const std::string& help);
   void integer(const std::string& names, int& value, const std::string& help, int least, int most);
   void bytes(const std::string& names, uint64_t& value, const std::string& help);  // "614400", "600k", "1.5M"
-  void number(const std::string& names, double& value, const std::string& help, bool infinite = false);  // never NaN
+  void number(const std::string& names, double& value, const std::string& help,
+              bool infinite = false);  // never NaN
   void flag(const std::string& names, bool& value, const std::string& help);
   // One of the given words.
   void choice(const std::string& names, std::string& value, const std::vector<std::string>& words,

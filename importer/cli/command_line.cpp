@@ -17,7 +17,9 @@ struct Options::Impl {
 
 namespace {
 
-CLI::Option* require(CLI::Option* option, bool required) { return required ? option->required() : option; }
+CLI::Option* require(CLI::Option* option, bool required) {
+  return required ? option->required() : option;
+}
 
 // "600k" -> 614400; throws CLI::ValidationError, which only CLI11 catches.
 uint64_t parseBytes(const std::string& text) {
@@ -31,7 +33,10 @@ uint64_t parseBytes(const std::string& text) {
   double unit = 1;
   if (used + 1 == text.size()) {
     const char suffix = text[used];
-    unit = suffix == 'k' || suffix == 'K' ? 1024. : suffix == 'M' ? 1048576. : suffix == 'G' ? 1073741824. : 0;
+    unit = suffix == 'k' || suffix == 'K' ? 1024.
+           : suffix == 'M'                ? 1048576.
+           : suffix == 'G'                ? 1073741824.
+                                          : 0;
     if (unit > 0) ++used;
   }
   if (used == 0 || used != text.size() || !(value >= 0) || value * unit > 1e18)
@@ -45,20 +50,26 @@ void Options::text(const std::string& names, std::string& value, const std::stri
   require(impl_.app->add_option(names, value, help), required)->capture_default_str();
 }
 
-void Options::path(const std::string& names, std::filesystem::path& value, const std::string& help, bool required) {
+void Options::path(const std::string& names, std::filesystem::path& value, const std::string& help,
+                   bool required) {
   auto* option = impl_.app->add_option_function<std::string>(
       names, [&value](const std::string& text) { value = text; }, help);
   require(option, required)->type_name("PATH")->default_str(value.string());
 }
 
-void Options::paths(const std::string& names, std::vector<std::filesystem::path>& value, const std::string& help) {
+void Options::paths(const std::string& names, std::vector<std::filesystem::path>& value,
+                    const std::string& help) {
   auto* option = impl_.app->add_option_function<std::vector<std::string>>(
-      names, [&value](const std::vector<std::string>& texts) { value.assign(texts.begin(), texts.end()); }, help);
+      names, [&value](const std::vector<std::string>& texts) { value.assign(texts.begin(), texts.end()); },
+      help);
   option->type_name("PATH")->required();
 }
 
 void Options::integer(const std::string& names, int& value, const std::string& help, int least, int most) {
-  impl_.app->add_option(names, value, help)->capture_default_str()->check(CLI::Range(least, most))->type_name("N");
+  impl_.app->add_option(names, value, help)
+      ->capture_default_str()
+      ->check(CLI::Range(least, most))
+      ->type_name("N");
 }
 
 void Options::bytes(const std::string& names, uint64_t& value, const std::string& help) {
@@ -71,7 +82,9 @@ void Options::number(const std::string& names, double& value, const std::string&
   auto* option = impl_.app->add_option(names, value, help)->type_name("X");
   option->check([infinite](const std::string& text) {
     const double number = std::strtod(text.c_str(), nullptr);
-    return std::isfinite(number) || (infinite && !std::isnan(number)) ? std::string() : "'" + text + "' is not a number that can be used";
+    return std::isfinite(number) || (infinite && !std::isnan(number))
+               ? std::string()
+               : "'" + text + "' is not a number that can be used";
   });
   if (!std::isnan(value)) option->capture_default_str();
 }
@@ -82,20 +95,27 @@ void Options::flag(const std::string& names, bool& value, const std::string& hel
 
 void Options::choice(const std::string& names, std::string& value, const std::vector<std::string>& words,
                      const std::string& help, bool required) {
-  require(impl_.app->add_option(names, value, help), required)->check(CLI::IsMember(words))->capture_default_str();
+  require(impl_.app->add_option(names, value, help), required)
+      ->check(CLI::IsMember(words))
+      ->capture_default_str();
 }
 
 void Options::texts(const std::string& names, std::vector<std::string>& value, const std::string& help) {
-  impl_.app->add_option(names, value, help)->delimiter(',')->allow_extra_args(false);  // else it takes the positional, too
+  impl_.app->add_option(names, value, help)
+      ->delimiter(',')
+      ->allow_extra_args(false);  // else it takes the positional, too
 }
 
 namespace {
 
-constexpr const char* kGlobalsNote = "Also --format text|json, --threads N, -q and -v of every verb; see 'loden --help'.";
+constexpr const char* kGlobalsNote =
+    "Also --format text|json, --threads N, -q and -v of every verb; see 'loden --help'.";
 
 }  // namespace
 
-void Options::footer(const std::string& text) { impl_.app->footer("\n" + text + "\n" + kGlobalsNote); }
+void Options::footer(const std::string& text) {
+  impl_.app->footer("\n" + text + "\n" + kGlobalsNote);
+}
 
 namespace {
 
@@ -105,7 +125,9 @@ void declareGlobals(CLI::App& app, GlobalOptions& globals) {
          "Form of the data on stdout: text or json")
       ->check(CLI::IsMember({"text", "json"}))
       ->default_str("text");
-  app.add_option("--threads", globals.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024))->type_name("N");
+  app.add_option("--threads", globals.threads, "Threads to use; 0: all")
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N");
   app.add_flag("-q,--quiet", globals.quiet, "No progress, no notes");
   app.add_flag("-v,--verbose", globals.verbose, "More of what a bake or cook found");
 }
@@ -139,8 +161,10 @@ int runGuarded(Command& command, const GlobalOptions& globals) {
 }
 
 constexpr const char* kFooter =
-    "\nExit codes: 0 ok, 1 usage, 2 cannot read or write, 3 invalid input, 4 runtime or memory, 5 unsupported,\n"
-    "7 difference found, 130 interrupted, 143 terminated. Data goes to stdout, messages and progress to stderr.\n\n"
+    "\nExit codes: 0 ok, 1 usage, 2 cannot read or write, 3 invalid input, 4 runtime or memory, 5 "
+    "unsupported,\n"
+    "7 difference found, 130 interrupted, 143 terminated. Data goes to stdout, messages and progress to "
+    "stderr.\n\n"
     "From a tile to a material in a scene:\n"
     "  loden bake builtin:pulli -o out/pulli\n"
     "  loden cook out/pulli -o pulli.loden\n"
@@ -153,7 +177,8 @@ int runCommandLine(int argc, char** argv, const std::vector<std::unique_ptr<Comm
   globals.command_line = "loden";
   for (int i = 1; i < argc; ++i) globals.command_line += std::string(" ") + argv[i];
 
-  CLI::App app{"Loden: bakes, cooks and checks materials whose look comes from geometry too small to model.", "loden"};
+  CLI::App app{"Loden: bakes, cooks and checks materials whose look comes from geometry too small to model.",
+               "loden"};
   app.set_version_flag("--version", "loden " LODEN_VERSION);
   app.footer(kFooter);
   app.require_subcommand(1);

@@ -16,7 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json channelJson(const ChannelError& e) { return {{"mse", e.mse}, {"rmse", e.rmse}, {"mae", e.mae}}; }
+Json channelJson(const ChannelError& e) {
+  return {{"mse", e.mse}, {"rmse", e.rmse}, {"mae", e.mae}};
+}
 
 Json sumsJson(const ErrorSums& sums) {
   Json json{{"y", channelJson(sums.y())}, {"cb", channelJson(sums.cb())}, {"cr", channelJson(sums.cr())}};
@@ -201,6 +203,8 @@ class CompareCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeCompareCommand() { return std::make_unique<CompareCommand>(); }
+std::unique_ptr<Command> makeCompareCommand() {
+  return std::make_unique<CompareCommand>();
+}
 
 }  // namespace loden::importer

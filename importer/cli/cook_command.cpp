@@ -227,6 +227,8 @@ class CookCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeCookCommand() { return std::make_unique<CookCommand>(); }
+std::unique_ptr<Command> makeCookCommand() {
+  return std::make_unique<CookCommand>();
+}
 
 }  // namespace loden::importer

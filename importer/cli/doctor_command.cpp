@@ -1,4 +1,5 @@
-// loden doctor: this machine, the libraries, and, through loden_walk, the GPU. The importer itself never links GL.
+// loden doctor: this machine, the libraries, and, through loden_walk, the GPU. The importer itself never
+// links GL.
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -6,9 +7,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "importer/base/doctor.h"
 #include "importer/cli/output.h"
 #include "importer/cli/sibling_program.h"
-#include "importer/base/doctor.h"
 
 extern char** environ;
 
@@ -48,15 +49,21 @@ std::string valueText(const Json& value) {
 class DoctorCommand : public Command {
  public:
   std::string_view name() const override { return "doctor"; }
-  std::string_view summary() const override { return "Show versions, limits, and what is missing on this machine"; }
+  std::string_view summary() const override {
+    return "Show versions, limits, and what is missing on this machine";
+  }
   void declare(Options&) override {}
 
   int run(const GlobalOptions& globals) override {
     const auto walk = siblingProgram("loden_walk");
     const Json gl = walk.empty() ? Json() : Json::parse(outputOf(walk), nullptr, false);
     std::vector<std::string> missing;
-    if (walk.empty()) missing.emplace_back("loden_walk is not beside loden: no OpenGL report; build the target loden_walk");
-    else if (!gl.is_object()) missing.emplace_back("loden_walk --doctor gives no report: is there an OpenGL 4.5 driver (libgl1-mesa-dri, libegl-mesa0)?");
+    if (walk.empty())
+      missing.emplace_back("loden_walk is not beside loden: no OpenGL report; build the target loden_walk");
+    else if (!gl.is_object())
+      missing.emplace_back(
+          "loden_walk --doctor gives no report: is there an OpenGL 4.5 driver (libgl1-mesa-dri, "
+          "libegl-mesa0)?");
     if (globals.json) {
       Json json;
       for (const auto& [what, value] : systemFacts()) json["system"][what] = value;
@@ -66,7 +73,8 @@ class DoctorCommand : public Command {
       return kExitOk;
     }
     std::string text;
-    for (const auto& [what, value] : systemFacts()) text += formatted("%-24s %s\n", what.c_str(), value.c_str());
+    for (const auto& [what, value] : systemFacts())
+      text += formatted("%-24s %s\n", what.c_str(), value.c_str());
     if (gl.is_object())
       for (const auto& [key, value] : gl.items())
         if (key != "schema") text += formatted("%-24s %s\n", key.c_str(), valueText(value).c_str());
@@ -78,6 +86,8 @@ class DoctorCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeDoctorCommand() { return std::make_unique<DoctorCommand>(); }
+std::unique_ptr<Command> makeDoctorCommand() {
+  return std::make_unique<DoctorCommand>();
+}
 
 }  // namespace loden::importer

@@ -112,8 +112,10 @@ class ExtractCommand : public Command {
       return fail(status.issue());
     const auto picture = [&]() -> Result<Picture> {
       switch (inputKind(input_)) {
-        case InputKind::kAsset: return map_.empty() ? assetSlice(*light, *view, globals) : assetMap();
-        case InputKind::kBakedOutput: return map_.empty() ? bakedSlice(*light, *view) : bakedMap();
+        case InputKind::kAsset:
+          return map_.empty() ? assetSlice(*light, *view, globals) : assetMap();
+        case InputKind::kBakedOutput:
+          return map_.empty() ? bakedSlice(*light, *view) : bakedMap();
         default:
           return Issue{issue_id::kBakeManifest, Severity::kError, input_.string(),
                        "is neither a .loden file nor a baked output (no bake.json)"};
@@ -270,6 +272,8 @@ class ExtractCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeExtractCommand() { return std::make_unique<ExtractCommand>(); }
+std::unique_ptr<Command> makeExtractCommand() {
+  return std::make_unique<ExtractCommand>();
+}
 
 }  // namespace loden::importer

@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "importer/base/file_read.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
-#include "importer/base/file_read.h"
 #include "material/asset/asset.h"
-#include "material/model/environment.h"
 #include "material/base/issues.h"
+#include "material/model/environment.h"
 #include "material/model/leading_part.h"
 
 namespace loden::importer {
@@ -24,7 +24,8 @@ struct Part {
 };
 
 std::string extentOf(const Texture& t) {
-  return formatted("%dx%dx%d", t.width, t.height, t.depth) + (t.mips > 1 ? formatted(" %d mips", t.mips) : "");
+  return formatted("%dx%dx%d", t.width, t.height, t.depth) +
+         (t.mips > 1 ? formatted(" %d mips", t.mips) : "");
 }
 
 Part partOf(const std::string& name, const Texture& texture, uint64_t stored_bytes, double lambda_first = 0) {
@@ -35,12 +36,18 @@ Part partOf(const std::string& name, const Texture& texture, uint64_t stored_byt
 // No part of the file: the runtime builds a first and a full atlas, with a packed copy of the geometry.
 Part atlasPart(const Material& material) {
   const VdimAtlasSize size = material.atlas;
-  return {"vdim atlas", "R8_UNORM", formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions), 0, 0,
-          residentAtlasBytes(material.geometry, size), 0};
+  return {"vdim atlas",
+          "R8_UNORM",
+          formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions),
+          0,
+          0,
+          residentAtlasBytes(material.geometry, size),
+          0};
 }
 
 // What the runtime keeps beside the whole: no bytes of its own in the file, but a chunk of its own.
-Part leadingPart(const std::string& name, const std::string& extent, uint64_t stored_bytes, uint64_t gpu_bytes, double lambda_first = 0) {
+Part leadingPart(const std::string& name, const std::string& extent, uint64_t stored_bytes,
+                 uint64_t gpu_bytes, double lambda_first = 0) {
   return {name, "", extent, 0, stored_bytes, gpu_bytes, lambda_first};
 }
 
@@ -56,13 +63,15 @@ std::vector<Part> partsOf(const AssetFile& file) {
     const Band& band = material.bands[b];
     const std::string name = "band " + std::to_string(b);
     const double lambda = band.lambda_first;
-    parts.push_back(partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
+    parts.push_back(
+        partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
     parts.push_back(partOf(name + " table", band.table, 0, lambda));
     parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
     if (band.light_quads > 0) parts.push_back(partOf(name + " light table", band.light_table, 0, lambda));
     if (band.lead_quads > 0)
       parts.push_back(leadingPart(name + " lead", formatted("%d of %d quads", band.lead_quads, band.quads()),
-                                  file.bandStoredBytes(static_cast<int>(b), AssetFile::Share::kFirst), gpuBytes(leadOf(band)), lambda));
+                                  file.bandStoredBytes(static_cast<int>(b), AssetFile::Share::kFirst),
+                                  gpuBytes(leadOf(band)), lambda));
   }
   if (material.stored_vdim) {
     parts.push_back(partOf("vdim reference", material.stored_vdim->reference, file.storedVdimStoredBytes()));
@@ -74,19 +83,25 @@ std::vector<Part> partsOf(const AssetFile& file) {
     parts.push_back(partOf("surface specular", material.surface->specular, 0));
     if (material.surface->tail_mip > 0)
       parts.push_back(leadingPart("surface tail", formatted("mips from %d on", material.surface->tail_mip),
-                                  file.surfaceStoredBytes(AssetFile::Share::kFirst), gpuBytes(tailOf(*material.surface))));
+                                  file.surfaceStoredBytes(AssetFile::Share::kFirst),
+                                  gpuBytes(tailOf(*material.surface))));
   }
   return parts;
 }
 
 Json bandJson(const Band& band, size_t index) {
   const Window& w = band.window;
-  return {{"band", index}, {"domain", band.domain == Domain::kFlat ? "flat" : "reference"},
+  return {{"band", index},
+          {"domain", band.domain == Domain::kFlat ? "flat" : "reference"},
           {"layout", band.layout == TableLayout::kGrid ? "grid" : "nearest"},
           {"filter", band.filter == WeightFilter::kLinear ? "linear" : "nearest"},
-          {"window", {w.in_begin, w.in_end, w.out_begin, w.out_end}}, {"lambda_first", band.lambda_first},
-          {"y_components", band.y_quads * 4}, {"chroma_quads", band.chroma_quads}, {"ratio", band.ratio},
-          {"light_components", band.light_quads * 4}, {"lead_quads", band.lead_quads}};
+          {"window", {w.in_begin, w.in_end, w.out_begin, w.out_end}},
+          {"lambda_first", band.lambda_first},
+          {"y_components", band.y_quads * 4},
+          {"chroma_quads", band.chroma_quads},
+          {"ratio", band.ratio},
+          {"light_components", band.light_quads * 4},
+          {"lead_quads", band.lead_quads}};
 }
 
 // A level L needs every band whose window is open at some lambda >= L: what a file cut there still gives.
@@ -108,7 +123,8 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
       const int skipped = std::clamp(level - static_cast<int>(band.lambda_first), 0, band.weights.mips - 1);
       const Texture& w = band.weights;
       const uint64_t weights = textureBytes(w) - w.mipOffset(skipped);
-      const uint64_t tables = textureBytes(band.table) + (band.light_quads > 0 ? textureBytes(band.light_table) : 0);
+      const uint64_t tables =
+          textureBytes(band.table) + (band.light_quads > 0 ? textureBytes(band.light_table) : 0);
       bytes.raw += weights + tables;
       bytes.gpu += weights + tables + environmentTableBytes(band);
       if (band.lead_quads > 0) bytes.gpu += gpuBytes(leadOf(band));
@@ -118,26 +134,39 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
   return levels;
 }
 
-// What `loden cook` noted. The text is untrusted: what it lacks is left out, and what is none of cook's is shown as it is.
+// What `loden cook` noted. The text is untrusted: what it lacks is left out, and what is none of cook's is
+// shown as it is.
 std::string cookedText(const std::string& meta_text) {
   if (meta_text.empty()) return {};
   const auto meta = Json::parse(meta_text, nullptr, false);
   try {
-    const auto quoted = [&](const char* key) { return meta.at(key).dump(); };  // no control character comes through
-    std::string text = "\ncooked from " + quoted("input") + ", preset " + quoted("preset") + ", components " + quoted("components");
-    if (const int light = meta.value("light_components", 0); light > 0) text += formatted(", %d of the light factor", light);
+    const auto quoted = [&](const char* key) {
+      return meta.at(key).dump();
+    };  // no control character comes through
+    std::string text = "\ncooked from " + quoted("input") + ", preset " + quoted("preset") + ", components " +
+                       quoted("components");
+    if (const int light = meta.value("light_components", 0); light > 0)
+      text += formatted(", %d of the light factor", light);
     text += "\n";
     if (const auto error = meta.find("error"); error != meta.end())
-      text += formatted("RMSE at the sampled directions: Y %.4f, Cb %.4f, Cr %.4f\n", error->at("y").at("rmse").get<double>(),
-                        error->at("cb").at("rmse").get<double>(), error->at("cr").at("rmse").get<double>());
+      text += formatted("RMSE at the sampled directions: Y %.4f, Cb %.4f, Cr %.4f\n",
+                        error->at("y").at("rmse").get<double>(), error->at("cb").at("rmse").get<double>(),
+                        error->at("cr").at("rmse").get<double>());
     if (const auto lookup = meta.find("lookup"); lookup != meta.end()) {
       for (const char* name : {"fast", "default"})
-        text += formatted("lookup %-8s mean error %.3f texels, %.1f %% over one, %.1f fetches\n", name, lookup->at(name).at("mean_texels").get<double>(),
-                          100 * lookup->at(name).at("over_1_texel").get<double>(), lookup->at(name).at("fetches").get<double>());
+        text += formatted("lookup %-8s mean error %.3f texels, %.1f %% over one, %.1f fetches\n", name,
+                          lookup->at(name).at("mean_texels").get<double>(),
+                          100 * lookup->at(name).at("over_1_texel").get<double>(),
+                          lookup->at(name).at("fetches").get<double>());
       for (const Json& trial : lookup->value("tried", Json::array()))
-        text += formatted("  tried %2d x %-2d texels, %2d x %-2d directions: mean %.3f, %.1f %% over one%s\n", trial.at("texels").get<int>(), trial.at("texels").get<int>(),
-                          trial.at("directions").get<int>(), trial.at("directions").get<int>(), trial.at("mean_texels").get<double>(), 100 * trial.at("over_1_texel").get<double>(),
-                          trial.at("texels") == lookup->at("atlas_texels") && trial.at("directions") == lookup->at("atlas_directions") ? ", chosen" : "");
+        text += formatted("  tried %2d x %-2d texels, %2d x %-2d directions: mean %.3f, %.1f %% over one%s\n",
+                          trial.at("texels").get<int>(), trial.at("texels").get<int>(),
+                          trial.at("directions").get<int>(), trial.at("directions").get<int>(),
+                          trial.at("mean_texels").get<double>(), 100 * trial.at("over_1_texel").get<double>(),
+                          trial.at("texels") == lookup->at("atlas_texels") &&
+                                  trial.at("directions") == lookup->at("atlas_directions")
+                              ? ", chosen"
+                              : "");
     }
     if (meta.contains("trade")) text += "the trade that its goal measured: --format json\n";
     return text;
@@ -156,9 +185,12 @@ class InfoCommand : public Command {
   }
 
   int run(const GlobalOptions& globals) override {
-    if (const Status status = checkOpens(path_, Openable::kFileOrFolder); !status) return fail(status.issue());
+    if (const Status status = checkOpens(path_, Openable::kFileOrFolder); !status)
+      return fail(status.issue());
     const InputKind kind = inputKind(path_);
-    const auto wrong = [&](const char* text) { return fail({issue_id::kMagic, Severity::kError, path_.string(), text}); };
+    const auto wrong = [&](const char* text) {
+      return fail({issue_id::kMagic, Severity::kError, path_.string(), text});
+    };
     if (kind == InputKind::kGltf) return wrong("is a scene; `loden validate` looks at it and at its assets");
     if (kind == InputKind::kBakedOutput) return wrong("is a baked output; `loden cook` makes an asset of it");
     auto bytes = readFile(path_);
@@ -167,14 +199,18 @@ class InfoCommand : public Command {
     const std::vector<Issue> issues = validateAsset(view, path_.string());
     auto source = std::shared_ptr<const ByteSource>(memorySource({view.begin(), view.end()}, path_.string()));
     const auto file = AssetFile::open(std::move(source), path_.string());
-    if (globals.json) printAsJson(bytes->size(), file, issues);
-    else printAsText(bytes->size(), file, issues);
-    const bool broken = std::any_of(issues.begin(), issues.end(), [](const Issue& i) { return i.severity == Severity::kError; });
+    if (globals.json)
+      printAsJson(bytes->size(), file, issues);
+    else
+      printAsText(bytes->size(), file, issues);
+    const bool broken = std::any_of(issues.begin(), issues.end(),
+                                    [](const Issue& i) { return i.severity == Severity::kError; });
     return broken || !file ? kExitInvalid : kExitOk;
   }
 
  private:
-  void printAsJson(uint64_t file_bytes, const Result<AssetFile>& file, const std::vector<Issue>& issues) const {
+  void printAsJson(uint64_t file_bytes, const Result<AssetFile>& file,
+                   const std::vector<Issue>& issues) const {
     Json json{{"file", path_.string()}, {"file_bytes", file_bytes}, {"issues", Json::array()}};
     for (const Issue& issue : issues) json["issues"].push_back(issueJson(issue));
     if (file) describe(*file, json);
@@ -183,16 +219,29 @@ class InfoCommand : public Command {
 
   static void describe(const AssetFile& file, Json& json) {
     const Material& m = file.skeleton();
-    json.update({{"name", m.name}, {"mode", modeName(m.mode)}, {"side", m.side}, {"lambda_max", m.lambda_max},
-                 {"cosine_included", m.cosine_included}, {"value_scale", m.value_scale}});
-    json["mean"] = {{"ka", m.mean.ka}, {"kd", m.mean.kd}, {"ks", m.mean.ks}, {"alpha", m.mean.alpha}, {"cb", m.mean.cb},
-                    {"cr", m.mean.cr}, {"chroma", m.mean.chroma == MeanChroma::kRatio ? "ratio" : "constant"}};
+    json.update({{"name", m.name},
+                 {"mode", modeName(m.mode)},
+                 {"side", m.side},
+                 {"lambda_max", m.lambda_max},
+                 {"cosine_included", m.cosine_included},
+                 {"value_scale", m.value_scale}});
+    json["mean"] = {{"ka", m.mean.ka},
+                    {"kd", m.mean.kd},
+                    {"ks", m.mean.ks},
+                    {"alpha", m.mean.alpha},
+                    {"cb", m.mean.cb},
+                    {"cr", m.mean.cr},
+                    {"chroma", m.mean.chroma == MeanChroma::kRatio ? "ratio" : "constant"}};
     for (size_t b = 0; b < m.bands.size(); ++b) json["bands"].push_back(bandJson(m.bands[b], b));
     uint64_t raw = 0, gpu = 0;
     const auto parts = partsOf(file);
     for (const Part& part : parts) {
-      json["maps"].push_back({{"name", part.name}, {"format", part.format}, {"extent", part.extent},
-                              {"raw_bytes", part.raw_bytes}, {"stored_bytes", part.stored_bytes}, {"gpu_bytes", part.gpu_bytes}});
+      json["maps"].push_back({{"name", part.name},
+                              {"format", part.format},
+                              {"extent", part.extent},
+                              {"raw_bytes", part.raw_bytes},
+                              {"stored_bytes", part.stored_bytes},
+                              {"gpu_bytes", part.gpu_bytes}});
       raw += part.raw_bytes;
       gpu += part.gpu_bytes;
     }
@@ -201,42 +250,54 @@ class InfoCommand : public Command {
     for (const LevelBytes& level : cumulativeBytes(m, parts))
       json["levels"].push_back({{"level", level.level}, {"raw_bytes", level.raw}, {"gpu_bytes", level.gpu}});
     for (const ChunkInfo& chunk : file.chunks())
-      json["chunks"].push_back({{"type", chunkName(chunk.type)}, {"critical", (chunk.flags & 1) != 0},
-                                {"codec", chunk.codec}, {"offset", chunk.offset}, {"stored_bytes", chunk.stored_bytes},
-                                {"raw_bytes", chunk.raw_bytes}, {"hash", formatted("%016llx", static_cast<unsigned long long>(chunk.hash))}});
+      json["chunks"].push_back({{"type", chunkName(chunk.type)},
+                                {"critical", (chunk.flags & 1) != 0},
+                                {"codec", chunk.codec},
+                                {"offset", chunk.offset},
+                                {"stored_bytes", chunk.stored_bytes},
+                                {"raw_bytes", chunk.raw_bytes},
+                                {"hash", formatted("%016llx", static_cast<unsigned long long>(chunk.hash))}});
     json["present_chunks"] = file.presentChunks();
     const std::string meta_text = file.loadMeta();
     const auto meta = Json::parse(meta_text, nullptr, false);
     json["cook"] = meta.is_discarded() ? Json(meta_text) : meta;
   }
 
-  void printAsText(uint64_t file_bytes, const Result<AssetFile>& file, const std::vector<Issue>& issues) const {
+  void printAsText(uint64_t file_bytes, const Result<AssetFile>& file,
+                   const std::vector<Issue>& issues) const {
     std::string text = formatted("%s: %s bytes on disk\n", path_.c_str(), withThousands(file_bytes).c_str());
-    if (file) text += describedText(*file);
-    else text += "cannot be opened: " + file.issue().text + "\n";
+    if (file)
+      text += describedText(*file);
+    else
+      text += "cannot be opened: " + file.issue().text + "\n";
     for (const Issue& issue : issues) text += issueText(issue) + "\n";
     printText(text);
   }
 
   static std::string describedText(const AssetFile& file) {
     const Material& m = file.skeleton();
-    std::string text = formatted("%s: %s, %d x %d texels, lambda 0 to %g, %zu bands, value %s cos(theta_i)\n", m.name.c_str(),
-                                 modeName(m.mode), m.side, m.side, m.lambda_max, m.bands.size(), m.cosine_included ? "with" : "without");
-    text += formatted("mean: ka %.4f, kd %.4f, ks %.4f, alpha %.2f, Cb %.4f, Cr %.4f%s\n", m.mean.ka, m.mean.kd, m.mean.ks,
-                      m.mean.alpha, m.mean.cb, m.mean.cr, m.mean.chroma == MeanChroma::kRatio ? " (of Y)" : "");
+    std::string text = formatted("%s: %s, %d x %d texels, lambda 0 to %g, %zu bands, value %s cos(theta_i)\n",
+                                 m.name.c_str(), modeName(m.mode), m.side, m.side, m.lambda_max,
+                                 m.bands.size(), m.cosine_included ? "with" : "without");
+    text += formatted("mean: ka %.4f, kd %.4f, ks %.4f, alpha %.2f, Cb %.4f, Cr %.4f%s\n", m.mean.ka,
+                      m.mean.kd, m.mean.ks, m.mean.alpha, m.mean.cb, m.mean.cr,
+                      m.mean.chroma == MeanChroma::kRatio ? " (of Y)" : "");
     const auto parts = partsOf(file);
     uint64_t raw = 0, gpu = 0;
-    text += formatted("\n%-18s %-20s %-22s %12s %12s %12s\n", "map", "format", "extent", "raw", "on disk", "on the GPU");
+    text += formatted("\n%-18s %-20s %-22s %12s %12s %12s\n", "map", "format", "extent", "raw", "on disk",
+                      "on the GPU");
     for (const Part& part : parts) {
-      text += formatted("%-18s %-20s %-22s %12s %12s %12s\n", part.name.c_str(), part.format.c_str(), part.extent.c_str(),
-                        withThousands(part.raw_bytes).c_str(), part.stored_bytes ? withThousands(part.stored_bytes).c_str() : "",
+      text += formatted("%-18s %-20s %-22s %12s %12s %12s\n", part.name.c_str(), part.format.c_str(),
+                        part.extent.c_str(), withThousands(part.raw_bytes).c_str(),
+                        part.stored_bytes ? withThousands(part.stored_bytes).c_str() : "",
                         withThousands(part.gpu_bytes).c_str());
       raw += part.raw_bytes, gpu += part.gpu_bytes;
     }
-    text += formatted("%-18s %-20s %-22s %12s %12s %12s\n\n", "total", "", "", withThousands(raw).c_str(), "", withThousands(gpu).c_str());
+    text += formatted("%-18s %-20s %-22s %12s %12s %12s\n\n", "total", "", "", withThousands(raw).c_str(), "",
+                      withThousands(gpu).c_str());
     for (const LevelBytes& level : cumulativeBytes(m, parts))
-      text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level, withThousands(level.raw).c_str(),
-                        withThousands(level.gpu).c_str());
+      text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level,
+                        withThousands(level.raw).c_str(), withThousands(level.gpu).c_str());
     return text + cookedText(file.loadMeta());
   }
 
@@ -245,6 +306,8 @@ class InfoCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeInfoCommand() { return std::make_unique<InfoCommand>(); }
+std::unique_ptr<Command> makeInfoCommand() {
+  return std::make_unique<InfoCommand>();
+}
 
 }  // namespace loden::importer

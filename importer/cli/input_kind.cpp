@@ -12,7 +12,8 @@ InputKind inputKind(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error))
     return std::filesystem::exists(path / "bake.json", error) ? InputKind::kBakedOutput : InputKind::kUnknown;
   std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   if (extension == ".loden") return InputKind::kAsset;
   if (extension == ".gltf" || extension == ".glb") return InputKind::kGltf;
   for (const char* picture : {".exr", ".png", ".jpg", ".jpeg", ".hdr", ".tif", ".tiff", ".webp"})

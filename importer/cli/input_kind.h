@@ -7,7 +7,8 @@ namespace loden::importer {
 
 enum class InputKind { kMissing, kBakedOutput, kAsset, kGltf, kPicture, kUnknown };
 
-// A folder with bake.json, or by extension: .loden; .gltf, .glb; .exr, .png, .jpg, .jpeg, .hdr, .tif, .tiff, .webp.
+// A folder with bake.json, or by extension: .loden; .gltf, .glb; .exr, .png, .jpg, .jpeg, .hdr, .tif, .tiff,
+// .webp.
 InputKind inputKind(const std::filesystem::path& path);
 
 }  // namespace loden::importer

@@ -33,7 +33,11 @@ void watchInterrupts() {
   }).detach();
 }
 
-CommitScope::CommitScope() { commitMutex().lock(); }
-CommitScope::~CommitScope() { commitMutex().unlock(); }
+CommitScope::CommitScope() {
+  commitMutex().lock();
+}
+CommitScope::~CommitScope() {
+  commitMutex().unlock();
+}
 
 }  // namespace loden::importer

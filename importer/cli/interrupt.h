@@ -3,8 +3,9 @@
 
 namespace loden::importer {
 
-// From now on SIGINT and SIGTERM are received by a thread of their own, which waits for open commits and exits with
-// 128 + the signal's number. Call once, before any other thread starts (they inherit the signal mask).
+// From now on SIGINT and SIGTERM are received by a thread of their own, which waits for open commits and
+// exits with 128 + the signal's number. Call once, before any other thread starts (they inherit the signal
+// mask).
 void watchInterrupts();
 
 // While one lives, the process is not ended by a signal: stands around "write temporary file, rename".

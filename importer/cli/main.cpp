@@ -4,7 +4,8 @@
 
 int main(int argc, char** argv) {
   using namespace loden::importer;
-  // Fits make and drop matrices of megabytes; given back to the system each time, their pages cost a third of a cook.
+  // Fits make and drop matrices of megabytes; given back to the system each time, their pages cost a third of
+  // a cook.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most there is
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
   std::vector<std::unique_ptr<Command>> commands;

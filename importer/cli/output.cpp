@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "importer/cli/interrupt.h"
 #include "importer/base/repair_log.h"
-#include "material/system/atomic_file.h"
-#include "material/model/directions.h"
+#include "importer/cli/interrupt.h"
 #include "material/base/issues.h"
+#include "material/model/directions.h"
+#include "material/system/atomic_file.h"
 
 namespace loden::importer {
 namespace {
@@ -22,12 +22,13 @@ const char* severityName(Severity severity) {
 }  // namespace
 
 std::string issueText(const Issue& issue) {
-  return formatted("%s %d: ", severityName(issue.severity), issue.id) + issue.where + (issue.where.empty() ? "" : ": ") + issue.text;
+  return formatted("%s %d: ", severityName(issue.severity), issue.id) + issue.where +
+         (issue.where.empty() ? "" : ": ") + issue.text;
 }
 
 int fail(const Issue& issue) {
-  std::fprintf(stderr, "loden: %s%s%s [%d]\n", issue.where.c_str(), issue.where.empty() ? "" : ": ", issue.text.c_str(),
-               issue.id);
+  std::fprintf(stderr, "loden: %s%s%s [%d]\n", issue.where.c_str(), issue.where.empty() ? "" : ": ",
+               issue.text.c_str(), issue.id);
   return exitCodeOf(issue);
 }
 
@@ -46,7 +47,8 @@ void noteWarnings(const GlobalOptions& globals, std::span<const Issue> warnings)
 
 void noteRepairs(const GlobalOptions& globals, const RepairLog* repairs) {
   if (repairs && repairs->count() > 0)
-    note(globals, "repaired what was not finite: " + withThousands(repairs->count()) + ", first " + repairs->first());
+    note(globals,
+         "repaired what was not finite: " + withThousands(repairs->count()) + ", first " + repairs->first());
 }
 
 nlohmann::ordered_json repairsJson(const RepairLog* repairs) {
@@ -88,7 +90,10 @@ std::string formatted(const char* format, ...) {
 }
 
 nlohmann::ordered_json issueJson(const Issue& issue) {
-  return {{"id", issue.id}, {"severity", severityName(issue.severity)}, {"where", issue.where}, {"text", issue.text}};
+  return {{"id", issue.id},
+          {"severity", severityName(issue.severity)},
+          {"where", issue.where},
+          {"text", issue.text}};
 }
 
 namespace {
@@ -122,14 +127,16 @@ Result<glm::dvec3> parseDirection(const std::string& option, const std::string& 
   const double theta = (*degrees)[0], phi = (*degrees)[1];
   const bool hemisphere = range == DirectionRange::kHemisphere;
   if (theta < 0 || theta > 180 || (hemisphere && theta >= 90))
-    return badOption(option, text, hemisphere ? "above the horizon: theta runs from 0 to below 90 degrees" : "a direction: theta runs from 0 to 180 degrees");
+    return badOption(option, text,
+                     hemisphere ? "above the horizon: theta runs from 0 to below 90 degrees"
+                                : "a direction: theta runs from 0 to 180 degrees");
   return directionFromSpherical({theta * kPi / 180, phi * kPi / 180});
 }
 
 Result<glm::ivec2> parseExtent(const std::string& option, const std::string& text) {
   int width = 0, height = 0, used = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(text.size()) ||
-      width < 1 || height < 1 || width > 16384 || height > 16384)
+  if (std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &used) != 2 ||
+      used != static_cast<int>(text.size()) || width < 1 || height < 1 || width > 16384 || height > 16384)
     return badOption(option, text, "WxH with sides 1 to 16384, for example 800x600");
   return glm::ivec2(width, height);
 }

@@ -37,7 +37,8 @@ std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 
 nlohmann::ordered_json issueJson(const Issue& issue);
 std::string issueText(const Issue& issue);
 
-// "15,30" in degrees (theta, phi) -> unit direction, above the horizon or anywhere; else an issue that names `option`.
+// "15,30" in degrees (theta, phi) -> unit direction, above the horizon or anywhere; else an issue that names
+// `option`.
 enum class DirectionRange { kHemisphere, kSphere };
 Result<glm::dvec3> parseDirection(const std::string& option, const std::string& text,
                                   DirectionRange range = DirectionRange::kHemisphere);

@@ -12,7 +12,9 @@ namespace {
 class PackCommand : public Command {
  public:
   std::string_view name() const override { return "pack"; }
-  std::string_view summary() const override { return "Put a material into a glTF scene, keeping everything else"; }
+  std::string_view summary() const override {
+    return "Put a material into a glTF scene, keeping everything else";
+  }
 
   void declare(Options& options) override {
     options.path("scene", pack_.scene, "Scene, .gltf or .glb", true);
@@ -23,8 +25,10 @@ class PackCommand : public Command {
     options.integer("--texcoord", pack_.tex_coord, "TEXCOORD_N to use", 0, 15);
     options.text("--scale", scale_, "Repetitions per unit of texture coordinate, SX,SY");
     options.number("--rotation", rotation_, "Degrees, as in KHR_texture_transform");
-    options.flag("--fit-fallback", pack_.fit_fallback, "Replace the material's pbrMetallicRoughness, too, not only add one where none is");
-    options.footer("Run pack last: most glTF tools drop extensions that they do not know, some without a word.");
+    options.flag("--fit-fallback", pack_.fit_fallback,
+                 "Replace the material's pbrMetallicRoughness, too, not only add one where none is");
+    options.footer(
+        "Run pack last: most glTF tools drop extensions that they do not know, some without a word.");
   }
 
   int run(const GlobalOptions& globals) override {
@@ -40,11 +44,14 @@ class PackCommand : public Command {
     if (globals.json) {
       nlohmann::ordered_json files = nlohmann::ordered_json::array();
       for (const auto& file : report->files) files.push_back(file.string());
-      printJson("pack", {{"output", pack_.output.string()}, {"material", report->material}, {"asset", report->asset_reference},
-                         {"fallback_fitted", report->fallback_fitted}, {"files", files}});
+      printJson("pack", {{"output", pack_.output.string()},
+                         {"material", report->material},
+                         {"asset", report->asset_reference},
+                         {"fallback_fitted", report->fallback_fitted},
+                         {"files", files}});
     } else {
-      printText(formatted("%s: material %d '%s' uses %s\n", pack_.output.c_str(), report->material, pack_.material.c_str(),
-                          report->asset_reference.c_str()));
+      printText(formatted("%s: material %d '%s' uses %s\n", pack_.output.c_str(), report->material,
+                          pack_.material.c_str(), report->asset_reference.c_str()));
     }
     return kExitOk;
   }
@@ -57,6 +64,8 @@ class PackCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makePackCommand() { return std::make_unique<PackCommand>(); }
+std::unique_ptr<Command> makePackCommand() {
+  return std::make_unique<PackCommand>();
+}
 
 }  // namespace loden::importer

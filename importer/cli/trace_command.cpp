@@ -1,9 +1,9 @@
 // loden trace TILE -o truth.exr
 #include <nlohmann/json.hpp>
 
+#include "importer/base/file_read.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
-#include "importer/base/file_read.h"
 #include "importer/trace/trace.h"
 #include "material/base/issues.h"
 
@@ -13,7 +13,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Issue cameraIssue(const std::filesystem::path& path, const std::string& text) {
-  return {issue_id::kOption, Severity::kError, path.string(), text + R"(; write {"position":[x,y,z],"target":[x,y,z],"fov_degrees":40})"};
+  return {issue_id::kOption, Severity::kError, path.string(),
+          text + R"(; write {"position":[x,y,z],"target":[x,y,z],"fov_degrees":40})"};
 }
 
 bool readVector(const Json& json, const char* key, glm::dvec3& value) {
@@ -33,13 +34,15 @@ Result<Camera> readCamera(const std::filesystem::path& path) {
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object()) return cameraIssue(path, "is no JSON object");
   Camera camera;
-  for (const auto& [key, member] : {std::pair{"position", &camera.position}, {"target", &camera.target}, {"up", &camera.up}})
+  for (const auto& [key, member] :
+       {std::pair{"position", &camera.position}, {"target", &camera.target}, {"up", &camera.up}})
     if (!readVector(json, key, *member)) return cameraIssue(path, std::string(key) + " is not three numbers");
   if (json.contains("fov_degrees")) {
     if (!json["fov_degrees"].is_number()) return cameraIssue(path, "fov_degrees is no number");
     camera.fov_degrees = json["fov_degrees"].get<double>();
   }
-  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180)) return cameraIssue(path, "fov_degrees must be between 0 and 180");
+  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180))
+    return cameraIssue(path, "fov_degrees must be between 0 and 180");
   return camera;
 }
 
@@ -54,15 +57,23 @@ Result<Panorama> readEnvironment(const std::filesystem::path& path) {
 class TraceCommand : public Command {
  public:
   std::string_view name() const override { return "trace"; }
-  std::string_view summary() const override { return "Ray trace the tile itself on a surface: ground truth for pictures"; }
+  std::string_view summary() const override {
+    return "Ray trace the tile itself on a surface: ground truth for pictures";
+  }
 
   void declare(Options& options) override {
-    options.text("tile", tile_, "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
+    options.text("tile", tile_,
+                 "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, ".exr (linear RGBA), .hdr, .png or .jpg (sRGB)", true);
-    options.choice("--surface", surface_, {"plane", "cylinder", "sphere"}, "What the tile covers; one period is 1/8 m");
+    options.choice("--surface", surface_, {"plane", "cylinder", "sphere"},
+                   "What the tile covers; one period is 1/8 m");
     options.path("--camera", camera_, "JSON: position, target, up, fov_degrees; metres, z up");
-    options.text("--light", light_, "Direction towards the light, THETA,PHI in degrees from +z (30,0); white Lambert lit from above = 1");
-    options.path("--environment", environment_, "Light from all around: a lat-long panorama (.hdr, .exr), z up; instead of --light unless that is given too");
+    options.text(
+        "--light", light_,
+        "Direction towards the light, THETA,PHI in degrees from +z (30,0); white Lambert lit from above = 1");
+    options.path("--environment", environment_,
+                 "Light from all around: a lat-long panorama (.hdr, .exr), z up; instead of --light unless "
+                 "that is given too");
     options.text("--size", size_, "Picture, WxH");
     options.integer("--spp", trace_.samples, "Samples per pixel, stratified over its area", 1, 65536);
     options.integer("--bounces", trace_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
@@ -106,9 +117,16 @@ class TraceCommand : public Command {
     }();
     if (!written) return fail(written.issue());
     if (globals.json)
-      printJson("trace", {{"tile", tile_}, {"surface", surface_}, {"output", output_.string()}, {"width", size->x},
-                          {"height", size->y}, {"spp", trace_.samples}, {"bounces", trace_.bounces}});
-    else printText(formatted("%s: %d x %d, %d samples per pixel\n", output_.c_str(), size->x, size->y, trace_.samples));
+      printJson("trace", {{"tile", tile_},
+                          {"surface", surface_},
+                          {"output", output_.string()},
+                          {"width", size->x},
+                          {"height", size->y},
+                          {"spp", trace_.samples},
+                          {"bounces", trace_.bounces}});
+    else
+      printText(formatted("%s: %d x %d, %d samples per pixel\n", output_.c_str(), size->x, size->y,
+                          trace_.samples));
     return kExitOk;
   }
 
@@ -121,6 +139,8 @@ class TraceCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeTraceCommand() { return std::make_unique<TraceCommand>(); }
+std::unique_ptr<Command> makeTraceCommand() {
+  return std::make_unique<TraceCommand>();
+}
 
 }  // namespace loden::importer

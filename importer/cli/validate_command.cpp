@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "importer/base/file_read.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
-#include "importer/base/file_read.h"
 #include "importer/gltf/pack.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
@@ -15,7 +15,9 @@ namespace {
 class ValidateCommand : public Command {
  public:
   std::string_view name() const override { return "validate"; }
-  std::string_view summary() const override { return "Check an asset or a packed scene; numbered issues, exit code 3 if invalid"; }
+  std::string_view summary() const override {
+    return "Check an asset or a packed scene; numbered issues, exit code 3 if invalid";
+  }
 
   void declare(Options& options) override {
     options.path("file", path_, "Asset (.loden) or scene (.gltf, .glb)", true);
@@ -27,17 +29,23 @@ class ValidateCommand : public Command {
     if (!found) return fail(found.issue());
     const std::vector<Issue>& issues = *found;
     const auto count = [&](Severity severity) {
-      return std::count_if(issues.begin(), issues.end(), [&](const Issue& issue) { return issue.severity == severity; });
+      return std::count_if(issues.begin(), issues.end(),
+                           [&](const Issue& issue) { return issue.severity == severity; });
     };
     const auto errors = count(Severity::kError), warnings = count(Severity::kWarning);
     if (globals.json) {
       nlohmann::ordered_json list = nlohmann::ordered_json::array();
       for (const Issue& issue : issues) list.push_back(issueJson(issue));
-      printJson("validate", {{"file", path_.string()}, {"valid", errors == 0}, {"errors", errors}, {"warnings", warnings}, {"issues", list}});
+      printJson("validate", {{"file", path_.string()},
+                             {"valid", errors == 0},
+                             {"errors", errors},
+                             {"warnings", warnings},
+                             {"issues", list}});
     } else {
       std::string text;
       for (const Issue& issue : issues) text += issueText(issue) + "\n";
-      printText(text + formatted("%s: %s, %td errors, %td warnings\n", path_.c_str(), errors ? "invalid" : "valid", errors, warnings));
+      printText(text + formatted("%s: %s, %td errors, %td warnings\n", path_.c_str(),
+                                 errors ? "invalid" : "valid", errors, warnings));
     }
     return errors ? kExitInvalid : kExitOk;
   }
@@ -54,6 +62,8 @@ class ValidateCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> makeValidateCommand() { return std::make_unique<ValidateCommand>(); }
+std::unique_ptr<Command> makeValidateCommand() {
+  return std::make_unique<ValidateCommand>();
+}
 
 }  // namespace loden::importer

@@ -14,7 +14,9 @@ constexpr double kNearly = 1.1;  // of the least product: what half the bytes ma
 constexpr double kUnseen =
     0.03 * 0.001;  // a product as small as that of a mean of .03 texels and .1 % over one cannot be seen
 
-double badness(const LookupError& error) { return error.mean_texels * error.over_1_texel; }
+double badness(const LookupError& error) {
+  return error.mean_texels * error.over_1_texel;
+}
 
 VdimAtlasSize sizeFor(uint64_t bytes, int directions) {
   return {std::max(1, static_cast<int>(std::sqrt(double(bytes))) / directions), directions};

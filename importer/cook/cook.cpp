@@ -24,13 +24,21 @@ Status checkOptions(const CookOptions& o) {
   if (goal && (o.y_components > 0 || chroma || o.preset != Preset::kGame))
     return refuse(goal_option, "chooses the components itself; give it without --components and --preset");
   if (o.mode == Mode::kSurface && (o.levels > 0 || o.y_components > 0 || chroma))
-    return refuse(o.levels > 0 ? "--levels" : "--components", "has no meaning with --mode surface, which has no bands");
-  if (o.shadows == Shadows::kSplit && o.mode != Mode::kFused) return refuse("--shadows split", "has a meaning with --mode fused only");
-  if (o.light_components > 0 && o.shadows != Shadows::kSplit) return refuse("--light-components", "has a meaning with --shadows split only");
-  if (o.cb_components != o.cr_components) return refuse("--components", "CB and CR must be equal: they share quads of the tables");
-  if ((o.y_components + 3) / 4 + (o.cb_components + 1) / 2 + (o.light_components + 3) / 4 > ShaderLimits::kMaxQuads)
-    return refuse("--components", "gives more than 16 quads of components, which no shader reads: a quad holds 4 of Y or of the light, or 2 of CB and CR");
-  if (o.mode == Mode::kLod && o.levels > ShaderLimits::kMaxBands) return refuse("--levels", "is more than 8, which no shader reads: each is a band");
+    return refuse(o.levels > 0 ? "--levels" : "--components",
+                  "has no meaning with --mode surface, which has no bands");
+  if (o.shadows == Shadows::kSplit && o.mode != Mode::kFused)
+    return refuse("--shadows split", "has a meaning with --mode fused only");
+  if (o.light_components > 0 && o.shadows != Shadows::kSplit)
+    return refuse("--light-components", "has a meaning with --shadows split only");
+  if (o.cb_components != o.cr_components)
+    return refuse("--components", "CB and CR must be equal: they share quads of the tables");
+  if ((o.y_components + 3) / 4 + (o.cb_components + 1) / 2 + (o.light_components + 3) / 4 >
+      ShaderLimits::kMaxQuads)
+    return refuse("--components",
+                  "gives more than 16 quads of components, which no shader reads: a quad holds 4 of Y or of "
+                  "the light, or 2 of CB and CR");
+  if (o.mode == Mode::kLod && o.levels > ShaderLimits::kMaxBands)
+    return refuse("--levels", "is more than 8, which no shader reads: each is a band");
   if (o.mode == Mode::kFused && o.preset == Preset::kSeed)
     return refuse("--preset seed", "reproduces the paper's level-of-detail material; add --mode lod");
   return {};
@@ -52,7 +60,8 @@ Result<GeometryImage> geometryOf(const BakedOutput& input, int side) {
       glm::dvec3 sum(0);
       uint16_t chart = 0xffff;
       for (int s = 0; s < step * step; ++s) {
-        const glm::vec4& texel = (*baked)[size_t(j * step + s / step) * size_t(fine) + size_t(i * step + s % step)];
+        const glm::vec4& texel =
+            (*baked)[size_t(j * step + s / step) * size_t(fine) + size_t(i * step + s % step)];
         // A texel beside a chart continues it, so one of the chart's own among them is enough.
         if (const auto of_texel = static_cast<uint16_t>(texel.w); of_texel != 0)
           chart = chart == 0xffff || chart == of_texel ? of_texel : uint16_t(0);
@@ -76,12 +85,14 @@ Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
   auto source = bakedSource(input);
   if (!source) return source.issue();
   if (options.mode == Mode::kLod) return cookLod(**source, options);
-  return cookFused(**source, [&](int side) { return geometryOf(input, side); }, options);
+  return cookFused(
+      **source, [&](int side) { return geometryOf(input, side); }, options);
 }
 
 Result<Material> cook(const BtfSource& input, const CookOptions& options) {
   if (options.mode != Mode::kLod)
-    return Issue{issue_id::kOption, Severity::kError, input.name(), "has no meso-geometry; cook it with --mode lod"};
+    return Issue{issue_id::kOption, Severity::kError, input.name(),
+                 "has no meso-geometry; cook it with --mode lod"};
   if (const Status status = checkOptions(options); !status) return status.issue();
   if (input.size().x != input.size().y)
     return Issue{issue_id::kMeasured, Severity::kError, input.name(), "is not square"};

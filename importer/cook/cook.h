@@ -5,8 +5,8 @@
 
 #include "importer/btf/baked_output.h"
 #include "importer/btf/btf_source.h"
-#include "material/model/material.h"
 #include "material/base/result.h"
+#include "material/model/material.h"
 
 namespace loden::importer {
 

@@ -1,8 +1,8 @@
+#include "importer/cook/meta.h"
+#include "importer/cook/modes.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/grid_table.h"
 #include "importer/fit/measure.h"
-#include "importer/cook/meta.h"
-#include "importer/cook/modes.h"
 #include "importer/fit/ratio_fit.h"
 #include "material/base/issues.h"
 #include "material/model/leading_part.h"
@@ -12,8 +12,9 @@ namespace {
 
 Issue levelsIssue(const BtfSource& source, int levels) {
   return {issue_id::kOption, Severity::kError, source.name(),
-          std::to_string(levels) + " levels need a side that is a multiple of " + std::to_string(1 << (levels - 1)) +
-              ", not " + std::to_string(source.size().x) + "; give --levels N"};
+          std::to_string(levels) + " levels need a side that is a multiple of " +
+              std::to_string(1 << (levels - 1)) + ", not " + std::to_string(source.size().x) +
+              "; give --levels N"};
 }
 
 // L_k = F_k - up(F_{k+1}), nearest up-sampling (LBTF eq. 3).
@@ -86,15 +87,18 @@ Result<Material> cookSeed(const BtfSource& source, const YccBtf& btf, const Cook
   return m;
 }
 
-// One band over all levels: the value is linear in its weights, so filtering weights filters the BTF, and a basis
-// that does not change with lambda needs no pyramid of bases.
+// One band over all levels: the value is linear in its weights, so filtering weights filters the BTF, and a
+// basis that does not change with lambda needs no pyramid of bases.
 Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
   const bool reference = options.preset == Preset::kReference;
-  const ComponentCounts counts = countsOr(options, reference ? ComponentCounts{24, 4, 4} : ComponentCounts{16, 0, 0});
+  const ComponentCounts counts =
+      countsOr(options, reference ? ComponentCounts{24, 4, 4} : ComponentCounts{16, 0, 0});
   Material m = emptyMaterial(source);
   const DirectionGrid grid = gridFor(source.lights());
   m.theta_max = grid.theta_max;
-  m.mean = fitPhong(imageMeans(btf, options.threads), source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
+  m.mean =
+      fitPhong(imageMeans(btf, options.threads), source.lights(), source.views(), {true, MeanChroma::kRatio})
+          .mean;
   const Matrix mean = sampleMean(m.mean, source.lights(), source.views());
   const Storage storage = reference ? Storage::kSnorm16 : Storage::kSnorm8;
   BandFactors factors;
@@ -104,12 +108,14 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
     factors.cb = meanFirstFactors(centredBlocks(btf, 1, mean), counts.cb, options.threads);
     factors.cr = meanFirstFactors(centredBlocks(btf, 2, mean), counts.cr, options.threads);
   } else {
-    const Indirection none = makeIndirection(source.size().x, source.size().x, source.views(),
-                                             [](glm::dvec2 x, const glm::dvec3&) { return x; }, options.threads);
+    const Indirection none = makeIndirection(
+        source.size().x, source.size().x, source.views(), [](glm::dvec2 x, const glm::dvec3&) { return x; },
+        options.threads);
     factors.ratio = {fitRatios(btf, wholeLuma(btf, factors.y, mean, none), m.mean, none, options.threads)};
   }
   const int mips = options.levels ? options.levels : fullMipCount(source.size().x, source.size().x);
-  m.bands.push_back(packBand(factors, source.lights(), source.views(), {TableLayout::kGrid, storage, grid, mips, 0}));
+  m.bands.push_back(
+      packBand(factors, source.lights(), source.views(), {TableLayout::kGrid, storage, grid, mips, 0}));
   m.lambda_max = static_cast<float>(mips - 1);
   return m;
 }
@@ -120,12 +126,14 @@ Status checkLevels(int levels, int side) {
   const int most = fullMipCount(side, side);
   if (levels <= most) return {};
   return Issue{issue_id::kOption, Severity::kError, "--levels",
-               std::to_string(levels) + " are more than the " + std::to_string(most) + " that a side of " + std::to_string(side) + " has"};
+               std::to_string(levels) + " are more than the " + std::to_string(most) + " that a side of " +
+                   std::to_string(side) + " has"};
 }
 
 Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
   if (const Status status = checkLevels(options.levels, source.size().x); !status) return status.issue();
-  return options.preset == Preset::kSeed ? cookSeed(source, btf, options) : cookMipMapped(source, btf, options);
+  return options.preset == Preset::kSeed ? cookSeed(source, btf, options)
+                                         : cookMipMapped(source, btf, options);
 }
 
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options) {

@@ -2,12 +2,12 @@
 #include <bit>
 #include <cmath>
 
-#include "importer/tile/charts.h"
 #include "importer/cook/atlas_choice.h"
-#include "importer/fit/band_fit.h"
 #include "importer/cook/meta.h"
 #include "importer/cook/modes.h"
+#include "importer/fit/band_fit.h"
 #include "importer/fit/paper_vdim.h"
+#include "importer/tile/charts.h"
 #include "material/model/leading_part.h"
 
 namespace loden::importer {
@@ -50,7 +50,8 @@ SurfaceMaps surfaceMaps(const BakedOutput::Surface& baked, int side, const std::
     normal.emplace_back(baked.normal[t], 0);
     diffuse.emplace_back(baked.diffuse[t], 1);
     const float exponent = std::log2(std::max(baked.specular[t].y, 1.0f)) / 12;
-    specular.emplace_back(maps.specular_scale > 0 ? baked.specular[t].x / maps.specular_scale : 0.0f, exponent, 0, 0);
+    specular.emplace_back(maps.specular_scale > 0 ? baked.specular[t].x / maps.specular_scale : 0.0f,
+                          exponent, 0, 0);
   }
   maps.normal = mipMapped(TexelFormat::kRGBA8Snorm, std::move(normal), side, owners);
   maps.diffuse = mipMapped(TexelFormat::kRGBA16Unorm, std::move(diffuse), side, owners);
@@ -65,7 +66,9 @@ Status fitMean(const BakedOutput& input, const CookOptions& options, Material& m
   if (!source) return source.issue();
   auto btf = loadYcc(**source, options.threads);
   if (!btf) return btf.issue();
-  m.mean = fitPhong(imageMeans(*btf, options.threads), (*source)->lights(), (*source)->views(), {true, MeanChroma::kRatio}).mean;
+  m.mean = fitPhong(imageMeans(*btf, options.threads), (*source)->lights(), (*source)->views(),
+                    {true, MeanChroma::kRatio})
+               .mean;
   return {};
 }
 

@@ -13,18 +13,21 @@
 namespace loden::importer {
 
 struct FusedPlan {
-  int y_components = 20;      // of the flat-domain band
-  int chroma_components = 0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
-  int light_components = 0;   // of its light factor (fit/light_factor.h); 0: none, shadows are in the other components
+  int y_components = 20;  // of the flat-domain band
+  int chroma_components =
+      0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
+  int light_components =
+      0;  // of its light factor (fit/light_factor.h); 0: none, shadows are in the other components
   Storage storage = Storage::kSnorm8;  // of the flat-domain band
-  double flat_scale = 1;      // flat texels per reference texel, along one side; 1/2, 1, 2
-  int phis = 11;              // columns of its direction grid, the repeated one counted
-  int coarse_y = 20;          // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
-  int coarse_phis = 18;       // at most; see averageGrid
-  int levels = 0;             // finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average
-  int geometry_side = 0;      // of the geometry image; 0: as baked
-  int sweeps = 6;             // of the joint fit
-  std::optional<VdimAtlasSize> atlas = {};  // of the lookup that is fitted through; empty: chosen by measuring (atlas_choice.h)
+  double flat_scale = 1;               // flat texels per reference texel, along one side; 1/2, 1, 2
+  int phis = 11;                       // columns of its direction grid, the repeated one counted
+  int coarse_y = 20;     // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
+  int coarse_phis = 18;  // at most; see averageGrid
+  int levels = 0;  // finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average
+  int geometry_side = 0;  // of the geometry image; 0: as baked
+  int sweeps = 6;         // of the joint fit
+  std::optional<VdimAtlasSize> atlas =
+      {};  // of the lookup that is fitted through; empty: chosen by measuring (atlas_choice.h)
 };
 
 // Flat texels along one side, for a reference side.
@@ -32,13 +35,14 @@ int flatSide(const FusedPlan& plan, int side);
 
 struct FusedFit {
   Material material;
-  BtfError error;  // at lambda 0, sampled directions, through the shader's default lookup
+  BtfError error;                   // at lambda 0, sampled directions, through the shader's default lookup
   std::vector<AtlasTrial> atlases;  // that were measured, if the plan names none
 };
 
-// `geometry` is already at plan.geometry_side. Deterministic at any number of threads. lab_every: as in measureError.
-FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry, const FusedPlan& plan,
-                  int threads, int lab_every = 0);
+// `geometry` is already at plan.geometry_side. Deterministic at any number of threads. lab_every: as in
+// measureError.
+FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
+                  const FusedPlan& plan, int threads, int lab_every = 0);
 
 // Raw bytes that the file of a plan holds at most, without fitting it; exact for coarse_phis as chosen.
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);

@@ -14,9 +14,9 @@ constexpr int kMostComponents = 40;
 
 constexpr int kLeastGeometry = 16;  // texels per side
 
-// Everything but the number of components, from frugal to lavish: columns of the flat band's grid (more than 11 buy
-// less than more components do, but a lavish plan has enough of these), scale of the flat map, share of the baked
-// geometry image.
+// Everything but the number of components, from frugal to lavish: columns of the flat band's grid (more than
+// 11 buy less than more components do, but a lavish plan has enough of these), scale of the flat map, share
+// of the baked geometry image.
 std::vector<FusedPlan> structures(int geometry_side) {
   std::vector<FusedPlan> all;
   for (const int phis : {7, 11, 17})
@@ -32,8 +32,8 @@ std::vector<FusedPlan> structures(int geometry_side) {
   return all;
 }
 
-// The coarse band keeps step: as many components, which have to hold the shadows too there, and a grid finer by the same
-// margin as in the default.
+// The coarse band keeps step: as many components, which have to hold the shadows too there, and a grid finer
+// by the same margin as in the default.
 FusedPlan withComponents(FusedPlan plan, int y) {
   plan.y_components = y;
   plan.coarse_y = y + plan.light_components;
@@ -57,7 +57,8 @@ Issue unreachable(const std::string& goal, const TradePoint& nearest) {
 
 class Search {
  public:
-  Search(const Goal& goal, int side, int geometry_side, const std::function<Result<double>(const FusedPlan&)>& measure)
+  Search(const Goal& goal, int side, int geometry_side,
+         const std::function<Result<double>(const FusedPlan&)>& measure)
       : goal_(goal), side_(side), geometry_side_(geometry_side), measure_(measure) {}
 
   Result<Choice> run() { return goal_.target_rmse > 0 ? fewestBytes() : leastError(); }
@@ -108,11 +109,13 @@ class Search {
     }
     const FusedPlan least = smallest();
     return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
-                 "is too little: the smallest fused asset of this input takes " + std::to_string(bytes(least)) + " bytes" +
+                 "is too little: the smallest fused asset of this input takes " +
+                     std::to_string(bytes(least)) + " bytes" +
                      (least.light_components > 0 ? "; without shadows apart (--shadows joint) less" : "")};
   }
 
-  // For each structure the fewest components that reach the target, unless they already cost more than the best.
+  // For each structure the fewest components that reach the target, unless they already cost more than the
+  // best.
   Result<Choice> fewestBytes() {
     std::optional<TradePoint> best, nearest;
     for (const FusedPlan& structure : plans())
@@ -165,7 +168,9 @@ int mostTrials(const Goal& goal, int geometry_side) {
   return 1 + (goal.target_rmse > 0 ? count * static_cast<int>(componentSteps().size()) : count);
 }
 
-FusedPlan smallestPlan(int geometry_side) { return withComponents(structures(geometry_side).front(), 4); }
+FusedPlan smallestPlan(int geometry_side) {
+  return withComponents(structures(geometry_side).front(), 4);
+}
 
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points) {
   std::sort(points.begin(), points.end(), [](const TradePoint& a, const TradePoint& b) {

@@ -18,9 +18,11 @@ struct TradePoint {
 struct Goal {
   uint64_t max_bytes = 0;  // 0: none
   double target_rmse = 0;  // of Y; 0: none
-  int levels = 0;          // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level is read, so it cannot choose them
-  // FusedPlan::light_components of every plan: of these the first that leaves room within max_bytes. More of them do more for the
-  // error than as many bytes of anything else (button at 300k and 600k: 12 before 8 before 4), so that a search among them only takes longer.
+  int levels = 0;  // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level
+                   // is read, so it cannot choose them
+  // FusedPlan::light_components of every plan: of these the first that leaves room within max_bytes. More of
+  // them do more for the error than as many bytes of anything else (button at 300k and 600k: 12 before 8
+  // before 4), so that a search among them only takes longer.
   std::vector<int> light_components{0};
 };
 
@@ -29,10 +31,10 @@ struct Choice {
   std::vector<TradePoint> measured;  // every candidate that was fitted, by bytes
 };
 
-// The plan with the least error within max_bytes, or with the fewest bytes at target_rmse (within max_bytes if both
-// are given). 16 bits are tried last, for the best plan of 8: they halve an error of rounding that more components or texels outweigh as long as
-// there are more to have. `measure` fits a plan and returns the RMSE of Y. Fails with kGoal where no plan can meet the goal, and
-// says what the nearest plan gives.
+// The plan with the least error within max_bytes, or with the fewest bytes at target_rmse (within max_bytes
+// if both are given). 16 bits are tried last, for the best plan of 8: they halve an error of rounding that
+// more components or texels outweigh as long as there are more to have. `measure` fits a plan and returns the
+// RMSE of Y. Fails with kGoal where no plan can meet the goal, and says what the nearest plan gives.
 Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
                           const std::function<Result<double>(const FusedPlan&)>& measure);
 

@@ -13,9 +13,12 @@ namespace loden::importer {
 
 const char* presetName(Preset preset) {
   switch (preset) {
-    case Preset::kSeed: return "seed";
-    case Preset::kGame: return "game";
-    case Preset::kReference: return "reference";
+    case Preset::kSeed:
+      return "seed";
+    case Preset::kGame:
+      return "game";
+    case Preset::kReference:
+      return "reference";
   }
   return "unknown";
 }

@@ -22,7 +22,8 @@ Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOp
 // Fine bands in the flat domain, coarse bands in the reference domain.
 // A goal in `options` chooses the plan by measuring candidates.
 using GeometryReader = std::function<Result<GeometryImage>(int side)>;  // geometryOf of the input
-Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry, const CookOptions& options);
+Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry,
+                           const CookOptions& options);
 
 // FBTF's GPU mode: one analytic appearance read at VDIM(x, wo).
 Result<Material> cookSurface(const BakedOutput& input, const CookOptions& options);

@@ -7,8 +7,8 @@
 
 #include "importer/fit/eigen.h"
 #include "importer/fit/reduction.h"
-#include "material/model/environment.h"
 #include "material/eval/evaluate.h"
+#include "material/model/environment.h"
 #include "material/model/mu.h"
 
 namespace loden::importer {
@@ -18,25 +18,30 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 
-constexpr int kRows = 8;             // of the quadrature over lights
-constexpr int kAround = 2;           // functions of the basis that do not turn with the light around the normal: 1 and z
+constexpr int kRows = 8;  // of the quadrature over lights
+constexpr int kAround =
+    2;  // functions of the basis that do not turn with the light around the normal: 1 and z
 constexpr int kMostTexels = 1 << 12;  // that the components are found from
 constexpr int kTexelsAtOnce = 256;
-constexpr double kLinearShare = 0.5;  // weight of what depends on where the light comes from around the normal
+constexpr double kLinearShare =
+    0.5;  // weight of what depends on where the light comes from around the normal
 
 // The integrals of a band over lights, for each view of its table's grid and each function of the basis.
 class Integrals {
  public:
-  Integrals(const Material& material, const Band& band) : m_(material), band_(band), basis_(2 * kRows * kRows, kEnvironmentBasis) {
+  Integrals(const Material& material, const Band& band)
+      : m_(material), band_(band), basis_(2 * kRows * kRows, kEnvironmentBasis) {
     for (const LightSample& light : lightQuadrature(material, kRows)) {
       for (int k = 0; k < kEnvironmentBasis; ++k)
-        basis_(Index(lights_.size()), k) = light.measure * (k < kAround ? 1 : kLinearShare) * light.basis[size_t(k)];
+        basis_(Index(lights_.size()), k) =
+            light.measure * (k < kAround ? 1 : kLinearShare) * light.basis[size_t(k)];
       lights_.push_back(clampTheta(light.direction, double(m_.theta_max)));
     }
     const DirectionGrid grid = environmentGrid(band, m_.theta_max);
     for (int row = 0; row < grid.thetas; ++row)
       for (int column = 0; column + 1 < grid.phis && (row > 0 || column == 0); ++column)
-        addView(directionFromSpherical({double(grid.theta_max) * row / (grid.thetas - 1), 2 * kPi * column / (grid.phis - 1)}));
+        addView(directionFromSpherical(
+            {double(grid.theta_max) * row / (grid.thetas - 1), 2 * kPi * column / (grid.phis - 1)}));
   }
 
   Index columns() const { return Index(views_.size()) * kEnvironmentBasis; }
@@ -62,7 +67,8 @@ class Integrals {
     for (int i = 0; i < count; ++i) {
       const int t = first + i * stride;
       const glm::vec2 q = (glm::vec2(t % side, t / side) + 0.5f) / float(side);
-      for (size_t l = 0; l < lights_.size(); ++l) factor(i, Index(l)) = double(lightFactorAt(m_, band_, q, glm::vec3(lights_[l])));
+      for (size_t l = 0; l < lights_.size(); ++l)
+        factor(i, Index(l)) = double(lightFactorAt(m_, band_, q, glm::vec3(lights_[l])));
     }
     MatrixXd integrals(count, columns());
     for (size_t v = 0; v < views_.size(); ++v) {
@@ -77,7 +83,7 @@ class Integrals {
 
  private:
   struct View {
-    MatrixXd table;   // 4 y_quads x lights
+    MatrixXd table;    // 4 y_quads x lights
     RowVectorXd mean;  // of Y, lights
   };
 
@@ -104,13 +110,15 @@ class Integrals {
 
 Matrix ambientWeights(const Material& material, const Band& band, int threads) {
   const Integrals integrals(material, band);
-  const int texels = band.weights.width * band.weights.width, stride = (texels + kMostTexels - 1) / kMostTexels;
+  const int texels = band.weights.width * band.weights.width,
+            stride = (texels + kMostTexels - 1) / kMostTexels;
   const int some = (texels + stride - 1) / stride;
   // Of the components of Y and the integrals side by side.
   const Index y = 4 * band.y_quads, all = y + integrals.columns();
   std::vector<MatrixXd> grams(kReductionBlocks, MatrixXd::Zero(all, all));
   parallelFor(kReductionBlocks, threads, [&](int block) {
-    for (int first = blockBegin(some, block), end = blockBegin(some, block + 1); first < end; first += kTexelsAtOnce) {
+    for (int first = blockBegin(some, block), end = blockBegin(some, block + 1); first < end;
+         first += kTexelsAtOnce) {
       const int count = std::min(kTexelsAtOnce, end - first);
       MatrixXd rows(count, all);
       rows << integrals.luma(first * stride, stride, count), integrals.of(first * stride, stride, count);
@@ -119,17 +127,20 @@ Matrix ambientWeights(const Material& material, const Band& band, int threads) {
   });
   for (int block = 1; block < kReductionBlocks; ++block) grams[0] += grams[size_t(block)];
   const MatrixXd own = grams[0].topLeftCorner(y, y), cross = grams[0].topRightCorner(y, integrals.columns());
-  const MatrixXd ridged = own + MatrixXd(Eigen::VectorXd::Constant(y, 1e-6 * own.trace() / double(y) + 1e-300).asDiagonal());
+  const MatrixXd ridged =
+      own + MatrixXd(Eigen::VectorXd::Constant(y, 1e-6 * own.trace() / double(y) + 1e-300).asDiagonal());
   const MatrixXd fitted = ridged.ldlt().solve(cross);  // the integrals by the components of Y
-  const MatrixXd rest = grams[0].bottomRightCorner(integrals.columns(), integrals.columns()) - cross.transpose() * fitted -
-                        fitted.transpose() * cross + fitted.transpose() * own * fitted;
+  const MatrixXd rest = grams[0].bottomRightCorner(integrals.columns(), integrals.columns()) -
+                        cross.transpose() * fitted - fitted.transpose() * cross +
+                        fitted.transpose() * own * fitted;
   // A few leading factors of many, which the squared condition number does not touch.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> leading(rest);
   const MatrixXd basis = leading.eigenvectors().rightCols(4).rowwise().reverse();
   Matrix weights(texels, 4);
   parallelFor((texels + kTexelsAtOnce - 1) / kTexelsAtOnce, threads, [&](int block) {
     const int first = block * kTexelsAtOnce, count = std::min(kTexelsAtOnce, texels - first);
-    eigen(weights).middleRows(first, count) = (integrals.of(first, 1, count) - integrals.luma(first, 1, count) * fitted) * basis;
+    eigen(weights).middleRows(first, count) =
+        (integrals.of(first, 1, count) - integrals.luma(first, 1, count) * fitted) * basis;
   });
   return weights;
 }

@@ -6,7 +6,8 @@
 namespace loden::importer {
 
 ColumnBlocks channelBlocks(const YccBtf& btf, int channel) {
-  return {btf.texels(), btf.views(), btf.lights(), [&btf, channel](int v, Matrix& into) { btf.read(channel, v, into); }};
+  return {btf.texels(), btf.views(), btf.lights(),
+          [&btf, channel](int v, Matrix& into) { btf.read(channel, v, into); }};
 }
 
 ColumnBlocks centredBlocks(const YccBtf& btf, int channel, const Matrix& means) {
@@ -22,7 +23,8 @@ std::vector<double> columnMeans(const ColumnBlocks& f, int threads) {
   parallelFor(f.blocks, threads, [&](int b) {
     Matrix block;
     f.read(b, block);
-    for (int c = 0; c < f.block_cols; ++c) means[size_t(b) * size_t(f.block_cols) + size_t(c)] = eigenCols(block, c, 1).mean();
+    for (int c = 0; c < f.block_cols; ++c)
+      means[size_t(b) * size_t(f.block_cols) + size_t(c)] = eigenCols(block, c, 1).mean();
   });
   return means;
 }

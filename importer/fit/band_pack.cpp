@@ -3,19 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importer/tile/charts.h"
 #include "importer/fit/grid_table.h"
 #include "importer/fit/light_factor.h"
 #include "importer/fit/ycc_btf.h"
+#include "importer/tile/charts.h"
 #include "material/base/check.h"
 
 namespace loden::importer {
 
 TexelFormat formatOf(Storage storage) {
   switch (storage) {
-    case Storage::kSnorm8: return TexelFormat::kRGBA8Snorm;
-    case Storage::kSnorm16: return TexelFormat::kRGBA16Snorm;
-    case Storage::kFloat32: return TexelFormat::kRGBA32Sfloat;
+    case Storage::kSnorm8:
+      return TexelFormat::kRGBA8Snorm;
+    case Storage::kSnorm16:
+      return TexelFormat::kRGBA16Snorm;
+    case Storage::kFloat32:
+      return TexelFormat::kRGBA32Sfloat;
   }
   return TexelFormat::kRGBA8Snorm;
 }
@@ -50,7 +53,8 @@ void storeLane(Texture& texture, int mip, int x, int y, int z, int lane, double 
 }
 
 // Mean of the texels below that belong to the same chart.
-Matrix halvedInCharts(const Matrix& fine, int side, std::span<const uint16_t> owners, std::span<const uint16_t> halved) {
+Matrix halvedInCharts(const Matrix& fine, int side, std::span<const uint16_t> owners,
+                      std::span<const uint16_t> halved) {
   const int half = side / 2;
   Matrix coarse(half * half, 1);
   for (int j = 0; j < half; ++j)
@@ -65,29 +69,38 @@ Matrix halvedInCharts(const Matrix& fine, int side, std::span<const uint16_t> ow
 }
 
 // `mips`: the first ones, one column each. owners: of mip 0 (PackOptions).
-void storeWeights(Texture& texture, int layer, int lane, const std::vector<Matrix>& mips, int side, double scale, std::vector<uint16_t> owners) {
+void storeWeights(Texture& texture, int layer, int lane, const std::vector<Matrix>& mips, int side,
+                  double scale, std::vector<uint16_t> owners) {
   Matrix values;
   for (int mip = 0; mip < texture.mips; ++mip, side /= 2) {
     auto halved = mip == 0 || owners.empty() ? owners : halvedOwners(2 * side, owners);
-    if (size_t(mip) < mips.size()) values = mips[size_t(mip)];
-    else values = owners.empty() ? downsample(values, 2 * side, BoxFilter::k2x2) : halvedInCharts(values, 2 * side, owners, halved);
+    if (size_t(mip) < mips.size())
+      values = mips[size_t(mip)];
+    else
+      values = owners.empty() ? downsample(values, 2 * side, BoxFilter::k2x2)
+                              : halvedInCharts(values, 2 * side, owners, halved);
     owners = std::move(halved);
-    for (int t = 0; t < side * side; ++t) storeLane(texture, mip, t % side, t / side, layer, lane, values.data[size_t(t)] / scale);
+    for (int t = 0; t < side * side; ++t)
+      storeLane(texture, mip, t % side, t / side, layer, lane, values.data[size_t(t)] / scale);
   }
 }
 
-void storeGridTable(Texture& texture, const DirectionGrid& grid, Place place, std::span<const double> table, double scale) {
+void storeGridTable(Texture& texture, const DirectionGrid& grid, Place place, std::span<const double> table,
+                    double scale) {
   const int dof = gridDof(grid);
   for (int ro = 0; ro < grid.thetas; ++ro)
     for (int co = 0; co < grid.phis; ++co)
       for (int ri = 0; ri < grid.thetas; ++ri)
         for (int ci = 0; ci < grid.phis; ++ci) {
-          const double value = table[size_t(gridDofIndex(grid, ro, co)) * size_t(dof) + size_t(gridDofIndex(grid, ri, ci))];
-          storeLane(texture, 0, ci, ro * grid.thetas + ri, place.quad * grid.phis + co, place.lane, value / scale);
+          const double value =
+              table[size_t(gridDofIndex(grid, ro, co)) * size_t(dof) + size_t(gridDofIndex(grid, ri, ci))];
+          storeLane(texture, 0, ci, ro * grid.thetas + ri, place.quad * grid.phis + co, place.lane,
+                    value / scale);
         }
 }
 
-void storeNearestTable(Texture& texture, int lights, Place place, std::span<const double> table, double scale) {
+void storeNearestTable(Texture& texture, int lights, Place place, std::span<const double> table,
+                       double scale) {
   for (size_t i = 0; i < table.size(); ++i)
     storeLane(texture, 0, int(i) % lights, int(i) / lights, place.quad, place.lane, table[i] / scale);
 }
@@ -98,7 +111,8 @@ Matrix oneColumn(std::span<const double> values) {
   return m;
 }
 
-void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, int side, const PackOptions& options) {
+void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, int side,
+                const PackOptions& options) {
   for (int lane = 0; lane < 2; ++lane) {
     std::vector<Matrix> mips;
     double scale = 0;
@@ -115,13 +129,17 @@ void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, i
 // 16 bits for the table: it is small, and where shadows end hangs on it.
 void storeLightFactor(Band& band, const Factors& light, int side, const PackOptions& options) {
   const DirectionGrid& g = options.light_grid;
-  band.light_table = Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kVolume, g.phis, g.thetas, band.light_quads);
+  band.light_table =
+      Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kVolume, g.phis, g.thetas, band.light_quads);
   for (int c = 0; c < light.components(); ++c) {
-    const double weight_scale = scaleOf(light.weights.col(c), options.storage), table_scale = scaleOf(light.basis.col(c), Storage::kSnorm16);
-    storeWeights(band.weights, band.lightLayer() + c / 4, c % 4, {oneColumn(light.weights.col(c))}, side, weight_scale, options.owners);
+    const double weight_scale = scaleOf(light.weights.col(c), options.storage),
+                 table_scale = scaleOf(light.basis.col(c), Storage::kSnorm16);
+    storeWeights(band.weights, band.lightLayer() + c / 4, c % 4, {oneColumn(light.weights.col(c))}, side,
+                 weight_scale, options.owners);
     for (int row = 0; row < g.thetas; ++row)
       for (int column = 0; column < g.phis; ++column)
-        storeLane(band.light_table, 0, column, row, c / 4, c % 4, light.basis(gridDofIndex(g, row, column), c) / table_scale);
+        storeLane(band.light_table, 0, column, row, c / 4, c % 4,
+                  light.basis(gridDofIndex(g, row, column), c) / table_scale);
     band.quad_scale[size_t(band.quads() + c / 4)][c % 4] = static_cast<float>(weight_scale * table_scale);
   }
 }
@@ -131,11 +149,14 @@ Factors unpackLightFactor(const Band& band, const DirectionSet& lights) {
   const int side = band.weights.width, components = 4 * band.light_quads;
   Matrix table(gridDof(g), components), weights(side * side, components);
   for (int c = 0; c < components; ++c) {
-    for (int t = 0; t < weights.rows; ++t) weights(t, c) = double(fetchTexel(band.weights, 0, t % side, t / side, band.lightLayer() + c / 4)[c % 4]);
+    for (int t = 0; t < weights.rows; ++t)
+      weights(t, c) =
+          double(fetchTexel(band.weights, 0, t % side, t / side, band.lightLayer() + c / 4)[c % 4]);
     for (int row = 0; row < g.thetas; ++row)
       for (int column = 0; column < g.phis; ++column)
         table(gridDofIndex(g, row, column), c) =
-            double(fetchTexel(band.light_table, 0, column, row, c / 4)[c % 4]) * double(band.quad_scale[size_t(band.quads() + c / 4)][c % 4]);
+            double(fetchTexel(band.light_table, 0, column, row, c / 4)[c % 4]) *
+            double(band.quad_scale[size_t(band.quads() + c / 4)][c % 4]);
   }
   return lightFactorAt({std::move(weights), std::move(table)}, g, lights);
 }
@@ -157,20 +178,25 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
   band.weights = Texture::make(format, TextureShape::kArray2D, factors.side, factors.side,
                                band.layers() + options.spare_layers, options.mips);
   const DirectionGrid& g = options.grid;
-  band.table = grid ? Texture::make(format, TextureShape::kVolume, g.phis, g.thetas * g.thetas, band.quads() * g.phis)
-                    : Texture::make(format, TextureShape::kVolume, lights.size(), views.size(), band.quads());
-  const Matrix resample_light = grid && !factors.on_grid ? gridResampling(g, gridSampling(g, lights)) : Matrix();
-  const Matrix resample_view = grid && !factors.on_grid ? gridResampling(g, gridSampling(g, views)) : Matrix();
+  band.table =
+      grid ? Texture::make(format, TextureShape::kVolume, g.phis, g.thetas * g.thetas, band.quads() * g.phis)
+           : Texture::make(format, TextureShape::kVolume, lights.size(), views.size(), band.quads());
+  const Matrix resample_light =
+      grid && !factors.on_grid ? gridResampling(g, gridSampling(g, lights)) : Matrix();
+  const Matrix resample_view =
+      grid && !factors.on_grid ? gridResampling(g, gridSampling(g, views)) : Matrix();
   const Factors* channels[3] = {&factors.y, &factors.cb, &factors.cr};
   for (int channel = 0; channel < 3; ++channel) {
     const Factors& f = *channels[channel];
     if (f.components() == 0) continue;
-    const Matrix tables = grid && !factors.on_grid ? mapTables(f.basis, resample_light, resample_view) : f.basis;
+    const Matrix tables =
+        grid && !factors.on_grid ? mapTables(f.basis, resample_light, resample_view) : f.basis;
     for (int c = 0; c < f.components(); ++c) {
       const Place place = placeOf(channel, c, band.y_quads);
       const double weight_scale = scaleOf(f.weights.col(c), options.storage);
       const double table_scale = scaleOf(tables.col(c), options.storage);
-      storeWeights(band.weights, place.quad, place.lane, {oneColumn(f.weights.col(c))}, factors.side, weight_scale, options.owners);
+      storeWeights(band.weights, place.quad, place.lane, {oneColumn(f.weights.col(c))}, factors.side,
+                   weight_scale, options.owners);
       if (grid)
         storeGridTable(band.table, g, place, tables.col(c), table_scale);
       else
@@ -185,7 +211,8 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
 
 void storeAmbient(Band& band, const Matrix& weights, const PackOptions& options) {
   for (int c = 0; c < 4; ++c)
-    storeWeights(band.weights, band.ambientLayer(), c, {oneColumn(weights.col(c))}, band.weights.width, scaleOf(weights.col(c), options.storage), options.owners);
+    storeWeights(band.weights, band.ambientLayer(), c, {oneColumn(weights.col(c))}, band.weights.width,
+                 scaleOf(weights.col(c), options.storage), options.owners);
 }
 
 namespace {
@@ -233,7 +260,8 @@ BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const Direct
   if (band.light_quads > 0) out.light = unpackLightFactor(band, lights);
   if (band.ratio) out.ratio.emplace_back();
   for (int t = 0; band.ratio && t < out.side * out.side; ++t) {
-    const glm::vec4 r = fetchTexel(band.weights, 0, t % out.side, t / out.side, band.quads()) * band.ratio_scale;
+    const glm::vec4 r =
+        fetchTexel(band.weights, 0, t % out.side, t / out.side, band.quads()) * band.ratio_scale;
     out.ratio[0].push_back({r.x, r.y});
   }
   return out;

@@ -42,11 +42,13 @@ ViewProducts viewProducts(const Matrix& seen, const Matrix& block, const Matrix&
   // So many texels decide the few unknowns of a light well enough.
   constexpr int kEnoughTexels = 1 << 14;
   constexpr int kRowsAtOnce = 512;  // what is made of them stays in the cache
-  const int step = seen.rows > kEnoughTexels ? seen.rows / kEnoughTexels | 1 : 1;  // odd: not always the same columns
+  const int step =
+      seen.rows > kEnoughTexels ? seen.rows / kEnoughTexels | 1 : 1;  // odd: not always the same columns
   ViewProducts p;
   p.rows = (seen.rows + step - 1) / step;
   p.cross = MatrixXd::Zero(seen.cols, block.cols);
-  MatrixXd sums = MatrixXd::Zero(block.cols, Index(seen.cols) * (seen.cols + 1) / 2);  // of each light the distinct entries of its gram
+  MatrixXd sums = MatrixXd::Zero(
+      block.cols, Index(seen.cols) * (seen.cols + 1) / 2);  // of each light the distinct entries of its gram
   MatrixXd m(kRowsAtOnce, seen.cols), f(kRowsAtOnce, block.cols), b(kRowsAtOnce, block.cols);
   for (int first = 0; first < p.rows; first += kRowsAtOnce) {
     const int count = std::min(kRowsAtOnce, p.rows - first);
@@ -93,7 +95,8 @@ namespace {
 constexpr int kGridSteps = 40;
 constexpr double kGridRoughness = 1e-5;  // relative to the mean diagonal of the data term
 
-std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, int threads) {
+std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& a, const Matrix& weights,
+                                      int threads) {
   std::vector<ViewProducts> products(size_t(b.blocks));
   parallelFor(size_t(b.blocks), threads, [&](size_t v) {
     Matrix block, seen, factor;
@@ -108,7 +111,8 @@ std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& 
 // Table at the samples, each view's best.
 Matrix freeBasis(const std::vector<ViewProducts>& products) {
   const Index lights = products.front().cross.cols();
-  Matrix basis(static_cast<int>(lights * Index(products.size())), static_cast<int>(products.front().gram.rows()));
+  Matrix basis(static_cast<int>(lights * Index(products.size())),
+               static_cast<int>(products.front().gram.rows()));
   for (size_t v = 0; v < products.size(); ++v)
     eigen(basis).middleRows(Index(v) * lights, lights) = solveView(products[v]).transpose();
   return basis;
@@ -191,8 +195,9 @@ Matrix solveBasis(const ColumnBlocks& b, const Indirection& a, const Matrix& wei
   return freeBasis(allProducts(b, a, weights, threads));
 }
 
-Matrix solveGridBasis(const ColumnBlocks& b, const Indirection& a, const Matrix& weights, const DirectionGrid& grid,
-                      const DirectionSet& lights, const DirectionSet& views, int threads) {
+Matrix solveGridBasis(const ColumnBlocks& b, const Indirection& a, const Matrix& weights,
+                      const DirectionGrid& grid, const DirectionSet& lights, const DirectionSet& views,
+                      int threads) {
   const std::vector<ViewProducts> products = allProducts(b, a, weights, threads);
   const GridNormal normal(products, grid, lights, views);
   const Matrix resample_light = gridResampling(grid, gridSampling(grid, lights));

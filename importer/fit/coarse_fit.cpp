@@ -21,8 +21,8 @@ std::vector<int> levelSides(int side) {
   return sides;
 }
 
-// All levels below each other, multiplied so that the sum of squares weighs the mean squared errors of the levels
-// 1 : kGrowth : kGrowth^2 and so on.
+// All levels below each other, multiplied so that the sum of squares weighs the mean squared errors of the
+// levels 1 : kGrowth : kGrowth^2 and so on.
 ColumnBlocks stackedLevels(const ColumnBlocks& finest, int side) {
   const std::vector<int> sides = levelSides(side);
   int rows = 0;
@@ -45,19 +45,20 @@ Matrix stackedLevels(const Matrix& finest, int side) {
   return out;
 }
 
-// f * basis, block by block. Of data without its mean over the rows it has none either, so that what the coarsest
-// level stores is exactly zero; the weights of a randomised factorization only nearly have that.
+// f * basis, block by block. Of data without its mean over the rows it has none either, so that what the
+// coarsest level stores is exactly zero; the weights of a randomised factorization only nearly have that.
 Matrix projected(const ColumnBlocks& f, const Matrix& basis) {
   Matrix weights(f.rows, basis.cols), block;
   for (int b = 0; b < f.blocks; ++b) {
     f.read(b, block);
-    eigen(weights).noalias() += eigen(block) * eigen(basis).middleRows(Eigen::Index(b) * f.block_cols, f.block_cols);
+    eigen(weights).noalias() +=
+        eigen(block) * eigen(basis).middleRows(Eigen::Index(b) * f.block_cols, f.block_cols);
   }
   return weights;
 }
 
-Factors fitChannel(const ColumnBlocks& finest, int side, int components, const DirectionSet& lights, const DirectionSet& views,
-                   const CoarseFitOptions& options) {
+Factors fitChannel(const ColumnBlocks& finest, int side, int components, const DirectionSet& lights,
+                   const DirectionSet& views, const CoarseFitOptions& options) {
   const ColumnBlocks levels = stackedLevels(finest, side);
   Matrix weights(finest.rows, components);
   eigenCols(weights, 0, 1).setOnes();
@@ -68,7 +69,8 @@ Factors fitChannel(const ColumnBlocks& finest, int side, int components, const D
     eigenCols(weights, 1, components - 1) = eigen(projected(centred, basis));
   }
   const Indirection straight = identityIndirection(levels.rows, levels.blocks);
-  return {weights, solveGridBasis(levels, straight, stackedLevels(weights, side), options.grid, lights, views, options.threads)};
+  return {weights, solveGridBasis(levels, straight, stackedLevels(weights, side), options.grid, lights, views,
+                                  options.threads)};
 }
 
 // samples x samples: the nearest values that a grid can give.
@@ -81,15 +83,18 @@ Eigen::MatrixXd gridProjection(const DirectionGrid& grid, const DirectionSet& se
 
 }  // namespace
 
-DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const DirectionSet& lights, const DirectionSet& views, int phis) {
+DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const DirectionSet& lights,
+                          const DirectionSet& views, int phis) {
   Eigen::MatrixXd rest(lights.size(), views.size());
   for (int v = 0; v < views.size(); ++v)
-    for (int l = 0; l < lights.size(); ++l) rest(l, v) = means(v * lights.size() + l, 0) - mean(v * lights.size() + l, 0);
+    for (int l = 0; l < lights.size(); ++l)
+      rest(l, v) = means(v * lights.size() + l, 0) - mean(v * lights.size() + l, 0);
   DirectionGrid best = gridFor(lights, 6, phis);
   double least = INFINITY;
   for (int columns = phis; columns > phis - kTriedColumns && columns >= kFewestColumns; --columns) {
     const DirectionGrid grid = gridFor(lights, 6, columns);
-    const double misfit = (gridProjection(grid, lights) * rest * gridProjection(grid, views) - rest).squaredNorm();
+    const double misfit =
+        (gridProjection(grid, lights) * rest * gridProjection(grid, views) - rest).squaredNorm();
     if (misfit >= least) continue;
     least = misfit;
     best = grid;
@@ -97,12 +102,13 @@ DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const Directi
   return best;
 }
 
-BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views, const Matrix& mean,
-                      const CoarseFitOptions& options) {
+BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views,
+                      const Matrix& mean, const CoarseFitOptions& options) {
   BandFactors factors;
   factors.side = half.side();
   factors.on_grid = true;
-  factors.y = fitChannel(centredBlocks(half, 0, mean), half.side(), options.y_components, lights, views, options);
+  factors.y =
+      fitChannel(centredBlocks(half, 0, mean), half.side(), options.y_components, lights, views, options);
   return factors;
 }
 

@@ -7,8 +7,12 @@
 
 namespace loden::importer {
 
-inline Eigen::Map<Eigen::MatrixXd> eigen(Matrix& m) { return {m.data.data(), m.rows, m.cols}; }
-inline Eigen::Map<const Eigen::MatrixXd> eigen(const Matrix& m) { return {m.data.data(), m.rows, m.cols}; }
+inline Eigen::Map<Eigen::MatrixXd> eigen(Matrix& m) {
+  return {m.data.data(), m.rows, m.cols};
+}
+inline Eigen::Map<const Eigen::MatrixXd> eigen(const Matrix& m) {
+  return {m.data.data(), m.rows, m.cols};
+}
 
 // Columns [first, first + count).
 inline Eigen::Map<Eigen::MatrixXd> eigenCols(Matrix& m, int first, int count) {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "importer/fit/eigen.h"
-#include "importer/fit/view_products.h"
 #include "importer/fit/reduction.h"
+#include "importer/fit/view_products.h"
 
 namespace loden::importer {
 namespace {
@@ -30,7 +30,10 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
   std::vector<Matrix> right(kReductionBlocks, Matrix(a.flat_texels, k));
   std::vector<double> error(size_t(b.blocks));
   parallelFor(kReductionBlocks, threads, [&](int group) {
-    Matrix block, seen, factor, product(a.texels, k);  // kept from view to view: pages that are new each time cost more than what is done with them
+    Matrix block, seen, factor,
+        product(
+            a.texels,
+            k);  // kept from view to view: pages that are new each time cost more than what is done with them
     for (int v = blockBegin(b.blocks, group); v < blockBegin(b.blocks, group + 1); ++v) {
       b.read(v, block);
       a.apply(v, weights, seen);
@@ -50,13 +53,17 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
   return pass;
 }
 
-// sum_v A_v^T G_v A_v for data with a factor, whose every texel and view has a G of its own, the k x k matrix of its
-// table under the light that comes there. A view reads four texels beside each other, so the sum ties a flat texel to itself and its eight
-// neighbours alone: it is made once per table, and a step of the gradients does not look at the data.
+// sum_v A_v^T G_v A_v for data with a factor, whose every texel and view has a G of its own, the k x k matrix
+// of its table under the light that comes there. A view reads four texels beside each other, so the sum ties
+// a flat texel to itself and its eight neighbours alone: it is made once per table, and a step of the
+// gradients does not look at the data.
 class Stencil {
  public:
   Stencil(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis, int side, int threads)
-      : side_(side), k_(static_cast<int>(basis.cols())), threads_(threads), sums_(size_t(a.flat_texels) * kReach * size_t(pairs())) {
+      : side_(side),
+        k_(static_cast<int>(basis.cols())),
+        threads_(threads),
+        sums_(size_t(a.flat_texels) * kReach * size_t(pairs())) {
     const Index lights = basis.rows() / a.views;
     std::vector<MatrixXd> grams(kViewsAtOnce);
     for (int first = 0; first < a.views; first += kViewsAtOnce) {
@@ -103,27 +110,32 @@ class Stencil {
   }
 
  private:
-  static constexpr int kReach = 5;  // itself, and half of the eight: the other half is the same seen from there
+  static constexpr int kReach =
+      5;  // itself, and half of the eight: the other half is the same seen from there
   static constexpr int kOffsets[kReach][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 1}};
   static constexpr int kViewsAtOnce = 8;
   static constexpr int kSlice = 8;  // pairs that one task sums
 
   int pairs() const { return k_ * (k_ + 1) / 2; }
   int texel(int i, int j) const { return (j + side_) % side_ * side_ + (i + side_) % side_; }
-  const float* block(int t, int offset) const { return sums_.data() + (size_t(t) * kReach + size_t(offset)) * size_t(pairs()); }
+  const float* block(int t, int offset) const {
+    return sums_.data() + (size_t(t) * kReach + size_t(offset)) * size_t(pairs());
+  }
 
   // Taps of Indirection: (0, 0), (1, 0), (0, 1), (1, 1) of four texels.
   void addView(const Indirection& a, int view, const MatrixXd& grams, int begin, int end) {
     struct Tie {
       int from, to, offset;
     };
-    constexpr Tie kTies[] = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {0, 1, 1}, {2, 3, 1}, {0, 2, 2}, {1, 3, 2}, {0, 3, 3}, {1, 2, 4}};
+    constexpr Tie kTies[] = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {0, 1, 1},
+                             {2, 3, 1}, {0, 2, 2}, {1, 3, 2}, {0, 3, 3}, {1, 2, 4}};
     for (int x = 0; x < a.texels; ++x) {
       const Indirection::Taps& t = a.taps[size_t(view) * size_t(a.texels) + size_t(x)];
       const double* gram = &grams(0, x);
       for (const Tie& tie : kTies) {
         const float share = t.weight[tie.from] * t.weight[tie.to];
-        float* sum = sums_.data() + (size_t(t.index[tie.from]) * kReach + size_t(tie.offset)) * size_t(pairs());
+        float* sum =
+            sums_.data() + (size_t(t.index[tie.from]) * kReach + size_t(tie.offset)) * size_t(pairs());
         for (int p = begin; p < end; ++p) sum[p] += share * float(gram[p]);
       }
     }
@@ -148,8 +160,13 @@ class Stencil {
 // sum_v A_v^T A_v D (E_v^T E_v) + smoothness * Laplacian(D): the normal operator of the D step.
 class NormalOperator {
  public:
-  NormalOperator(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis, const FlatFitOptions& options)
-      : a_(a), basis_(basis), owners_(options.owners), side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))), threads_(options.threads) {
+  NormalOperator(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis,
+                 const FlatFitOptions& options)
+      : a_(a),
+        basis_(basis),
+        owners_(options.owners),
+        side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))),
+        threads_(options.threads) {
     if (b.factor) {
       stencil_.emplace(b, a, basis, side_, threads_);
       diagonal_ = stencil_->diagonal();
@@ -180,7 +197,8 @@ class NormalOperator {
       for (int x = 0; x < a_.texels; ++x) {
         const Indirection::Taps& t = a_.taps[size_t(v) * size_t(a_.texels) + size_t(x)];
         for (int i = 0; i < 4; ++i)
-          diagonal_.row(t.index[i]) += double(t.weight[i] * t.weight[i]) * grams_[size_t(v)].diagonal().transpose();
+          diagonal_.row(t.index[i]) +=
+              double(t.weight[i] * t.weight[i]) * grams_[size_t(v)].diagonal().transpose();
       }
   }
 
@@ -204,8 +222,10 @@ class NormalOperator {
       for (int j = 0; j < side_; ++j)
         for (int i = 0; i < side_; ++i) {
           const int at = j * side_ + i;
-          const double neighbours = neighbour(d, k, at, j * side_ + (i + 1) % side_) + neighbour(d, k, at, j * side_ + (i + side_ - 1) % side_) +
-                                    neighbour(d, k, at, (j + 1) % side_ * side_ + i) + neighbour(d, k, at, (j + side_ - 1) % side_ * side_ + i);
+          const double neighbours = neighbour(d, k, at, j * side_ + (i + 1) % side_) +
+                                    neighbour(d, k, at, j * side_ + (i + side_ - 1) % side_) +
+                                    neighbour(d, k, at, (j + 1) % side_ * side_ + i) +
+                                    neighbour(d, k, at, (j + side_ - 1) % side_ * side_ + i);
           sum(at, k) += smoothness_ * (4 * d(at, k) - neighbours);
         }
   }
@@ -245,8 +265,8 @@ void solveWeights(const NormalOperator& normal, const MatrixXd& right, int steps
   }
 }
 
-// Weights and basis rotated so that the basis is orthonormal and the components are ordered by energy. Of a tile with fewer
-// texels than components the last ones are 0.
+// Weights and basis rotated so that the basis is orthonormal and the components are ordered by energy. Of a
+// tile with fewer texels than components the last ones are 0.
 Factors rotated(const Matrix& weights, const MatrixXd& basis) {
   Eigen::HouseholderQR<MatrixXd> qd(eigen(weights)), qe(basis);
   const Index k = basis.cols(), kd = std::min<Index>(weights.rows, k), ke = std::min(basis.rows(), k);
@@ -255,7 +275,8 @@ Factors rotated(const Matrix& weights, const MatrixXd& basis) {
   const Eigen::JacobiSVD<MatrixXd> svd(rd * re.transpose(), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Index rank = svd.singularValues().size();
   MatrixXd u = MatrixXd::Zero(weights.rows, k), v = MatrixXd::Zero(basis.rows(), k);
-  u.leftCols(rank) = qd.householderQ() * MatrixXd::Identity(weights.rows, kd) * svd.matrixU() * svd.singularValues().asDiagonal();
+  u.leftCols(rank) = qd.householderQ() * MatrixXd::Identity(weights.rows, kd) * svd.matrixU() *
+                     svd.singularValues().asDiagonal();
   v.leftCols(rank) = qe.householderQ() * MatrixXd::Identity(basis.rows(), ke) * svd.matrixV();
   return {matrixFrom(u), matrixFrom(v)};
 }
@@ -278,7 +299,8 @@ FlatFit fitFlat(const ColumnBlocks& b, const Indirection& a, const FlatFitOption
     const Pass pass = alternate(b, a, weights, options.threads);
     const NormalOperator normal(b, a, pass.basis, options);
     solveWeights(normal, pass.right, options.cg_steps, weights);
-    weights = rotated(weights, pass.basis).weights;  // keeps E near orthonormal, which conditions the next D step
+    weights =
+        rotated(weights, pass.basis).weights;  // keeps E near orthonormal, which conditions the next D step
   }
   const Pass last = alternate(b, a, weights, options.threads);
   const double values = double(a.texels) * b.cols();

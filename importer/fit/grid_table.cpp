@@ -10,8 +10,8 @@
 namespace loden::importer {
 namespace {
 
-constexpr double kEpsilon = 1e-8;        // weight of roughness against the squared misfit
-constexpr double kThetaWeight = 0.25;    // second differences along theta against those along phi
+constexpr double kEpsilon = 1e-8;      // weight of roughness against the squared misfit
+constexpr double kThetaWeight = 0.25;  // second differences along theta against those along phi
 
 // Bilinear taps of a direction in (row, column) units, as two rows x two columns.
 struct Taps {
@@ -37,7 +37,9 @@ Taps tapsOf(const DirectionGrid& grid, const glm::dvec3& w) {
 
 }  // namespace
 
-int gridDof(const DirectionGrid& grid) { return 1 + (grid.thetas - 1) * (grid.phis - 1); }
+int gridDof(const DirectionGrid& grid) {
+  return 1 + (grid.thetas - 1) * (grid.phis - 1);
+}
 
 int gridDofIndex(const DirectionGrid& grid, int row, int column) {
   return row == 0 ? 0 : 1 + (row - 1) * (grid.phis - 1) + column % (grid.phis - 1);
@@ -87,7 +89,8 @@ Matrix mapTables(const Matrix& tables, const Matrix& light, const Matrix& view) 
   Matrix out(light.rows * view.rows, tables.cols);
   for (int k = 0; k < tables.cols; ++k) {
     const Eigen::Map<const Eigen::MatrixXd> from(tables.col(k).data(), light.cols, view.cols);
-    Eigen::Map<Eigen::MatrixXd>(out.col(k).data(), light.rows, view.rows) = eigen(light) * from * eigen(view).transpose();
+    Eigen::Map<Eigen::MatrixXd>(out.col(k).data(), light.rows, view.rows) =
+        eigen(light) * from * eigen(view).transpose();
   }
   return out;
 }

@@ -12,8 +12,8 @@ namespace loden::importer {
 int gridDof(const DirectionGrid& grid);
 int gridDofIndex(const DirectionGrid& grid, int row, int column);
 
-// samples x dof: how the evaluator's bilinear fetch reads the grid at each direction (beyond grid.theta_max the
-// last row).
+// samples x dof: how the evaluator's bilinear fetch reads the grid at each direction (beyond grid.theta_max
+// the last row).
 Matrix gridSampling(const DirectionGrid& grid, const DirectionSet& set);
 
 // dof x samples: the smoothest grid that gives the samples back: minimises |S g - e|^2 + epsilon |second
@@ -24,8 +24,8 @@ Matrix gridResampling(const DirectionGrid& grid, const Matrix& sampling);
 // Rows of second differences over the grid, along phi and theta; unitless.
 Matrix gridRoughness(const DirectionGrid& grid);
 
-// Tables of k components at the samples, (views * lights) x k with row = view * lights + light, to or from grid
-// tables, (dof_o * dof_i) x k with row = o * dof_i + i. `light` and `view` are the operators above.
+// Tables of k components at the samples, (views * lights) x k with row = view * lights + light, to or from
+// grid tables, (dof_o * dof_i) x k with row = o * dof_i + i. `light` and `view` are the operators above.
 Matrix mapTables(const Matrix& tables, const Matrix& light, const Matrix& view);
 
 // The 6 x 25 grid to the outermost ring of the set; `phis` counts the repeated column.

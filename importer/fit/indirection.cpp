@@ -46,8 +46,8 @@ void Indirection::addTransposed(int view, const Matrix& values, Matrix& sum) con
   }
 }
 
-Indirection makeIndirection(int side, int flat_side, const DirectionSet& views, const IndirectionLookup& lookup,
-                            int threads) {
+Indirection makeIndirection(int side, int flat_side, const DirectionSet& views,
+                            const IndirectionLookup& lookup, int threads) {
   Indirection a{side * side, flat_side * flat_side, views.size(), {}};
   a.taps.resize(size_t(a.views) * size_t(a.texels));
   parallelFor(a.views, threads, [&](int v) {

@@ -1,5 +1,5 @@
-// A_v of the joint fit: for each view a sparse matrix that reads a flat map at VDIM(x, wo) for every reference
-// texel x, with the bilinear filter that the shader uses.
+// A_v of the joint fit: for each view a sparse matrix that reads a flat map at VDIM(x, wo) for every
+// reference texel x, with the bilinear filter that the shader uses.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ struct Indirection {
 };
 
 // Looks up the centres of side x side reference texels for every view.
-Indirection makeIndirection(int side, int flat_side, const DirectionSet& views, const IndirectionLookup& lookup,
-                            int threads);
+Indirection makeIndirection(int side, int flat_side, const DirectionSet& views,
+                            const IndirectionLookup& lookup, int threads);
 
 // Reads every texel where it is, in every view.
 Indirection identityIndirection(int texels, int views);

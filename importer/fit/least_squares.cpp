@@ -31,10 +31,13 @@ class Block : public ceres::CostFunction {
 double solve(const LeastSquares& least_squares, const std::vector<int>& held, std::span<double> q) {
   ceres::Problem problem;
   problem.AddResidualBlock(new Block(least_squares), nullptr, q.data());
-  if (!held.empty()) problem.SetManifold(q.data(), new ceres::SubsetManifold(static_cast<int>(q.size()), held));
+  if (!held.empty())
+    problem.SetManifold(q.data(), new ceres::SubsetManifold(static_cast<int>(q.size()), held));
   for (size_t i = 0; i < q.size(); ++i) {
-    if (std::isfinite(least_squares.lower[i])) problem.SetParameterLowerBound(q.data(), int(i), least_squares.lower[i]);
-    if (std::isfinite(least_squares.upper[i])) problem.SetParameterUpperBound(q.data(), int(i), least_squares.upper[i]);
+    if (std::isfinite(least_squares.lower[i]))
+      problem.SetParameterLowerBound(q.data(), int(i), least_squares.lower[i]);
+    if (std::isfinite(least_squares.upper[i]))
+      problem.SetParameterUpperBound(q.data(), int(i), least_squares.upper[i]);
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
@@ -53,7 +56,8 @@ double minimise(const LeastSquares& problem, std::span<double> q) {
   LODEN_CHECK_EQ(problem.lower.size(), q.size());
   LODEN_CHECK_EQ(problem.upper.size(), q.size());
   const double cost = solve(problem, {}, q);
-  // A step that is cut off at a bound is no longer the best for the other parameters, and the solver may stop there: they go on without.
+  // A step that is cut off at a bound is no longer the best for the other parameters, and the solver may stop
+  // there: they go on without.
   std::vector<int> held;
   for (size_t i = 0; i < q.size(); ++i)
     if (q[i] <= problem.lower[i] || q[i] >= problem.upper[i]) held.push_back(static_cast<int>(i));

@@ -9,8 +9,10 @@ namespace loden::importer {
 
 struct LeastSquares {
   int residuals = 0;
-  // Residuals at q; jacobian: residuals x q, row-major, or empty where it is not asked for. Returns whether it could.
-  std::function<bool(std::span<const double> q, std::span<double> residual, std::span<double> jacobian)> evaluate;
+  // Residuals at q; jacobian: residuals x q, row-major, or empty where it is not asked for. Returns whether
+  // it could.
+  std::function<bool(std::span<const double> q, std::span<double> residual, std::span<double> jacobian)>
+      evaluate;
   std::vector<double> lower, upper;  // one per parameter, infinite where there is none
 };
 

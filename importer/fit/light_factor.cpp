@@ -16,18 +16,20 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kPhis = 25, kThetas = 6;
-constexpr int kMostSubsamples = 3;   // per side of a flat texel, where the geometry image is fine enough to tell them apart
-constexpr double kLift = 2e-3;       // tile periods along the normal: where shadow rays start
+constexpr int kMostSubsamples =
+    3;  // per side of a flat texel, where the geometry image is fine enough to tell them apart
+constexpr double kLift = 2e-3;  // tile periods along the normal: where shadow rays start
 constexpr int kRounds = 12;
-constexpr double kPull = 1e-3;       // towards the last round, relative: samples beyond the ends leave components free
+constexpr double kPull =
+    1e-3;  // towards the last round, relative: samples beyond the ends leave components free
 constexpr int kFillSteps = 8;
 
 std::vector<glm::dvec3> gridDirections(const DirectionGrid& grid) {
   std::vector<glm::dvec3> directions(size_t(gridDof(grid)));
   for (int row = 0; row < grid.thetas; ++row)
     for (int column = 0; column + 1 < grid.phis; ++column)
-      directions[size_t(gridDofIndex(grid, row, column))] =
-          directionFromSpherical({double(grid.theta_max) * row / (grid.thetas - 1), 2 * kPi * column / (grid.phis - 1)});
+      directions[size_t(gridDofIndex(grid, row, column))] = directionFromSpherical(
+          {double(grid.theta_max) * row / (grid.thetas - 1), 2 * kPi * column / (grid.phis - 1)});
   return directions;
 }
 
@@ -57,7 +59,9 @@ void fillAround(Matrix& visibility, int side, std::vector<uint8_t> known) {
 }
 
 // Beyond the end where it belongs, a value is as good as there.
-bool satisfied(double u, double v) { return (v >= 1 && u >= 1) || (v <= 0 && u <= 0); }
+bool satisfied(double u, double v) {
+  return (v >= 1 && u >= 1) || (v <= 0 && u <= 0);
+}
 
 // The component vector that brings `rows` . x to the targets of one texel or light, near `last`.
 VectorXd solveOpen(const MatrixXd& rows, const VectorXd& u, const VectorXd& target, const VectorXd& last) {
@@ -77,7 +81,9 @@ VectorXd solveOpen(const MatrixXd& rows, const VectorXd& u, const VectorXd& targ
 
 }  // namespace
 
-DirectionGrid lightFactorGrid(const DirectionSet& lights) { return gridFor(lights, kThetas, kPhis); }
+DirectionGrid lightFactorGrid(const DirectionSet& lights) {
+  return gridFor(lights, kThetas, kPhis);
+}
 
 Matrix lightVisibility(const GeometryImage& image, int side, const DirectionGrid& grid, int threads) {
   const GeometryTracer tracer(image);
@@ -94,7 +100,8 @@ Matrix lightVisibility(const GeometryImage& image, int side, const DirectionGrid
       if (point.chart == 0) continue;
       ++points;
       for (size_t l = 0; l < lights.size(); ++l)
-        if (glm::dot(point.normal, lights[l]) > 0 && !tracer.occluded(point.position + kLift * point.normal, lights[l]))
+        if (glm::dot(point.normal, lights[l]) > 0 &&
+            !tracer.occluded(point.position + kLift * point.normal, lights[l]))
           visibility(t, int(l)) += 1;
     }
     known[texel] = points > 0;
@@ -114,7 +121,8 @@ Factors fitLightFactor(const Matrix& visibility, int components, Storage storage
     MatrixXd next(basis.rows(), basis.cols());
     const MatrixXd d = eigen(weights);
     parallelFor(size_t(v.cols()), threads, [&](size_t l) {
-      next.row(Index(l)) = solveOpen(d, u.col(Index(l)), v.col(Index(l)), basis.row(Index(l)).transpose()).transpose();
+      next.row(Index(l)) =
+          solveOpen(d, u.col(Index(l)), v.col(Index(l)), basis.row(Index(l)).transpose()).transpose();
     });
     basis = next;
   };
@@ -122,7 +130,8 @@ Factors fitLightFactor(const Matrix& visibility, int components, Storage storage
     MatrixXd u = eigen(weights) * basis.transpose();
     parallelFor(size_t(v.rows()), threads, [&](size_t t) {
       const VectorXd last = eigen(weights).row(Index(t)).transpose();
-      eigen(weights).row(Index(t)) = solveOpen(basis, u.row(Index(t)).transpose(), v.row(Index(t)).transpose(), last).transpose();
+      eigen(weights).row(Index(t)) =
+          solveOpen(basis, u.row(Index(t)).transpose(), v.row(Index(t)).transpose(), last).transpose();
     });
     u = eigen(weights) * basis.transpose();
     solveBasis(u);

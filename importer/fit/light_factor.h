@@ -1,8 +1,10 @@
-// The light factor of a flat band (material/model/band.h): cast and attached shadows apart from shading (FBTF section 5).
+// The light factor of a flat band (material/model/band.h): cast and attached shadows apart from shading (FBTF
+// section 5).
 //
-// Whether light reaches a point is 0 or 1 with an edge between, and no sum of few products is. But clamp(u) of such a sum is:
-// u only has to be beyond 0 or 1 where a point lies in shadow or light, and right where the edge runs. What is left
-// for the band's own components is smooth, as it may be anything where there is no light.
+// Whether light reaches a point is 0 or 1 with an edge between, and no sum of few products is. But clamp(u)
+// of such a sum is: u only has to be beyond 0 or 1 where a point lies in shadow or light, and right where the
+// edge runs. What is left for the band's own components is smooth, as it may be anything where there is no
+// light.
 #pragma once
 
 #include "importer/fit/band_pack.h"
@@ -19,8 +21,9 @@ DirectionGrid lightFactorGrid(const DirectionSet& lights);
 // surface takes what those around it have.
 Matrix lightVisibility(const GeometryImage& image, int side, const DirectionGrid& grid, int threads);
 
-// weights (texels x k, as storage will give them back) and basis (gridDof x k) with clamp(weights basis^T, 0, 1) close to
-// `visibility`: alternating least squares over the samples that are not yet beyond the end where they belong.
+// weights (texels x k, as storage will give them back) and basis (gridDof x k) with clamp(weights basis^T, 0,
+// 1) close to `visibility`: alternating least squares over the samples that are not yet beyond the end where
+// they belong.
 Factors fitLightFactor(const Matrix& visibility, int components, Storage storage, int threads);
 
 // The same factors with their basis at the sampled lights, lights x k.

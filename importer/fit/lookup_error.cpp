@@ -41,7 +41,8 @@ LookupError LookupProbe::measure(const VdimAtlas& atlas, Lookup lookup) const {
   parallelFor(kBlocks, threads_, [&](size_t b) {
     for (const Ray& ray : blocks_[b]) {
       const VdimHit<double> hit = vdimLookup({.atlas = &atlas}, lookup, ray.x, ray.wo);
-      const double texels = periodicDistance(glm::dvec2(surfaceAt(geometry_, hit.p).position), ray.truth) * side_;
+      const double texels =
+          periodicDistance(glm::dvec2(surfaceAt(geometry_, hit.p).position), ray.truth) * side_;
       sums[b].texels += texels, sums[b].over += texels > 1, sums[b].fetches += hit.fetches;
     }
   });

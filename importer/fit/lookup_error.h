@@ -20,8 +20,8 @@ struct LookupError {
   double fetches = 0;       // per lookup, on average
 };
 
-// 65,536 random points and views, uniform in solid angle up to kThetaMax, and what they meet; rays that meet nothing
-// are left out.
+// 65,536 random points and views, uniform in solid angle up to kThetaMax, and what they meet; rays that meet
+// nothing are left out.
 class LookupProbe {
  public:
   // `side`: reference texels per tile period. The image must outlive the probe.

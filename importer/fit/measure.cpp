@@ -5,8 +5,8 @@
 #include "importer/fit/band_pack.h"
 #include "importer/fit/eigen.h"
 #include "importer/fit/light_factor.h"
-#include "importer/fit/reduction.h"
 #include "importer/fit/phong.h"
+#include "importer/fit/reduction.h"
 #include "material/model/color.h"
 
 namespace loden::importer {
@@ -38,8 +38,8 @@ Matrix weightsFor(const DecodedBand& band, const Matrix& weights, const Indirect
 }
 
 // texels x lights of one view, channel by channel.
-void addBand(const DecodedBand& band, const Indirection& a, int view, int side, int lights, const Matrix& mean,
-             MatrixXd (&total)[3]) {
+void addBand(const DecodedBand& band, const Indirection& a, int view, int side, int lights,
+             const Matrix& mean, MatrixXd (&total)[3]) {
   const Factors* factors[3] = {&band.factors.y, &band.factors.cb, &band.factors.cr};
   const auto mean_of_view = eigen(mean).middleRows(Eigen::Index(view) * lights, lights);
   MatrixXd value[3];
@@ -120,7 +120,8 @@ LabSums labOfView(const YccBtf& btf, int view, const Matrix (&value)[3], int eve
   for (int l = view % every; l < btf.lights(); l += every)
     for (int t = 0; t < btf.texels(); ++t) {
       const glm::dvec3 rgb = rgbFromYcc(glm::dvec3(truth[0](t, l), truth[1](t, l), truth[2](t, l)));
-      const glm::dvec3 given = glm::max(rgbFromYcc(glm::dvec3(value[0](t, l), value[1](t, l), value[2](t, l))), glm::dvec3(0));
+      const glm::dvec3 given =
+          glm::max(rgbFromYcc(glm::dvec3(value[0](t, l), value[1](t, l), value[2](t, l))), glm::dvec3(0));
       const double distance = glm::distance(labFromRgb(rgb), labFromRgb(given));
       const bool black = truth[0](t, l) == 0;
       sums.lab += distance, ++sums.count;
@@ -129,14 +130,17 @@ LabSums labOfView(const YccBtf& btf, int view, const Matrix (&value)[3], int eve
   return sums;
 }
 
-double FitError::rmse() const { return std::sqrt(mse); }
+double FitError::rmse() const {
+  return std::sqrt(mse);
+}
 
 BtfError measureError(const Material& material, const YccBtf& btf, const DirectionSet& lights,
                       const DirectionSet& views, const Indirection& a, int threads, int lab_every) {
   std::vector<DecodedBand> bands;
   for (const Band& band : material.bands)
     if (windowWeight(band.window, 0.0f) > 0)
-      bands.push_back({unpackBand(band, tableGrid(band, material.theta_max), lights, views), band.domain == Domain::kFlat});
+      bands.push_back({unpackBand(band, tableGrid(band, material.theta_max), lights, views),
+                       band.domain == Domain::kFlat});
   const Matrix mean = sampleMean(material.mean, lights, views);
   std::vector<ViewError> errors(size_t(btf.views()));
   std::vector<LabSums> labs(size_t(btf.views()));
@@ -148,7 +152,9 @@ BtfError measureError(const Material& material, const YccBtf& btf, const Directi
     for (const DecodedBand& band : bands) addBand(band, a, v, btf.side(), btf.lights(), mean, value);
     clampAtZero(value);
     errors[size_t(v)] = errorOfView(btf, v, value);
-    if (lab_every > 0) labs[size_t(v)] = labOfView(btf, v, {matrixFrom(value[0]), matrixFrom(value[1]), matrixFrom(value[2])}, lab_every);
+    if (lab_every > 0)
+      labs[size_t(v)] =
+          labOfView(btf, v, {matrixFrom(value[0]), matrixFrom(value[1]), matrixFrom(value[2])}, lab_every);
   });
   BtfError total;
   for (const LabSums& of_view : labs) total.lab.merge(of_view);

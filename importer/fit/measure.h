@@ -1,11 +1,11 @@
-// The error of a material against its input at the sampled directions and texel centres, by the algebra of its
-// stored bands (equal to the evaluator, which a test holds it to, at a fraction of the time).
+// The error of a material against its input at the sampled directions and texel centres, by the algebra of
+// its stored bands (equal to the evaluator, which a test holds it to, at a fraction of the time).
 #pragma once
 
 #include <string>
 
-#include "importer/fit/ycc_btf.h"
 #include "importer/fit/indirection.h"
+#include "importer/fit/ycc_btf.h"
 #include "material/model/material.h"
 
 namespace loden::importer {
@@ -24,8 +24,8 @@ struct LabSums {
   double blackMean() const { return black_count ? black_lab / double(black_count) : 0; }
   double litMean() const { return count > black_count ? (lab - black_lab) / double(count - black_count) : 0; }
 };
-// Of one view's values, texels x lights for each of Y, Cb, Cr, at every n-th light, from light `view` modulo n; colours below zero
-// count as zero.
+// Of one view's values, texels x lights for each of Y, Cb, Cr, at every n-th light, from light `view` modulo
+// n; colours below zero count as zero.
 LabSums labOfView(const YccBtf& btf, int view, const Matrix (&value)[3], int every);
 
 struct BtfError {

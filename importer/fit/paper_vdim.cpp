@@ -17,7 +17,9 @@ glm::vec4 packedTexel(glm::vec2 displacement, float range) {
 
 PaperVdim packPaperVdim(const std::vector<glm::vec2>& vdim, int side, int zeniths, int azimuths) {
   const size_t texels = size_t(side) * size_t(side);
-  const auto at = [&](int z, int a, size_t t) { return vdim[(size_t(z) * size_t(azimuths) + size_t(a)) * texels + t]; };
+  const auto at = [&](int z, int a, size_t t) {
+    return vdim[(size_t(z) * size_t(azimuths) + size_t(a)) * texels + t];
+  };
   PaperVdim out;
   out.side = side;
   out.zeniths = zeniths;
@@ -31,7 +33,8 @@ PaperVdim packPaperVdim(const std::vector<glm::vec2>& vdim, int side, int zenith
   }
   out.range = range;
   out.reference = Texture::make(TexelFormat::kRG16Snorm, TextureShape::kArray2D, side, side, 1);
-  out.packed = Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kArray2D, side * azimuths, side * zeniths, 1);
+  out.packed =
+      Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kArray2D, side * azimuths, side * zeniths, 1);
   for (int j = 0; j < side; ++j)
     for (int i = 0; i < side; ++i) {
       const size_t t = size_t(j) * size_t(side) + size_t(i);
@@ -39,7 +42,8 @@ PaperVdim packPaperVdim(const std::vector<glm::vec2>& vdim, int side, int zenith
       storeTexel(out.reference, 0, i, j, 0, {reference / range.x, 0, 0});
       for (int z = 0; z < zeniths; ++z)
         for (int a = 0; a < azimuths; ++a)
-          storeTexel(out.packed, 0, i * azimuths + a, j * zeniths + z, 0, packedTexel(at(z, a, t) - reference, range.y));
+          storeTexel(out.packed, 0, i * azimuths + a, j * zeniths + z, 0,
+                     packedTexel(at(z, a, t) - reference, range.y));
     }
   return out;
 }

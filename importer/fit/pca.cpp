@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr int kDirectSide = 64;      // at most this many rows or columns: thin SVD
-constexpr int kOversampling = 8;     // extra columns of the range finder
+constexpr int kDirectSide = 64;   // at most this many rows or columns: thin SVD
+constexpr int kOversampling = 8;  // extra columns of the range finder
 
 MatrixXd orthonormal(const MatrixXd& m) {
   Eigen::HouseholderQR<MatrixXd> qr(m);

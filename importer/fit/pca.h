@@ -12,15 +12,15 @@ namespace loden::importer {
 struct ColumnBlocks {
   int rows = 0, blocks = 0, block_cols = 0;
   std::function<void(int block, Matrix& into)> read;
-  // If set, the fits compare its product with their value to the data: a light factor (fit/light_factor.h), of the block's
-  // shape. leadingFactors does not look at it.
+  // If set, the fits compare its product with their value to the data: a light factor (fit/light_factor.h),
+  // of the block's shape. leadingFactors does not look at it.
   std::function<void(int block, Matrix& into)> factor = {};
   int cols() const { return blocks * block_cols; }
 };
 ColumnBlocks blocksOf(const Matrix& m);  // one block; `m` must outlive it
 
-// F ~ weights * basis^T; basis has orthonormal columns, ordered by singular value. Fewer meaningful components
-// than asked for (rank deficiency) leave zero weights.
+// F ~ weights * basis^T; basis has orthonormal columns, ordered by singular value. Fewer meaningful
+// components than asked for (rank deficiency) leave zero weights.
 struct Factors {
   Matrix weights;  // texels x components
   Matrix basis;    // samples x components
@@ -29,7 +29,8 @@ struct Factors {
 
 // The best rank-k factors (no centring): a thin SVD when one side is small, a randomised range finder with
 // subspace iteration otherwise (Halko, Martinsson and Tropp 2011, algorithms 4.4 and 5.1), in double, never
-// through a Gram matrix. Deterministic. More subspace steps (two passes over the data each) come closer to the optimum.
+// through a Gram matrix. Deterministic. More subspace steps (two passes over the data each) come closer to
+// the optimum.
 Factors leadingFactors(const ColumnBlocks& f, int k, int threads = 0, int subspace_steps = 4);
 
 }  // namespace loden::importer

@@ -27,7 +27,8 @@ std::vector<Sample> samplesOf(const Matrix& means, const DirectionSet& lights, c
 }
 
 // Eq. 5 minus the samples; parameters ka, kd, ks, ln alpha.
-bool phongResiduals(std::span<const Sample> samples, std::span<const double> q, std::span<double> residual, std::span<double> jacobian) {
+bool phongResiduals(std::span<const Sample> samples, std::span<const double> q, std::span<double> residual,
+                    std::span<double> jacobian) {
   const double alpha = std::exp(q[3]);
   for (size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];

@@ -8,8 +8,8 @@
 namespace loden::importer {
 namespace {
 
-constexpr int kSteps = 40;          // conjugate gradients on a well conditioned, diagonally dominant system
-constexpr double kPull = 1e-4;      // towards the start, relative to the mean weight of a texel
+constexpr int kSteps = 40;      // conjugate gradients on a well conditioned, diagonally dominant system
+constexpr double kPull = 1e-4;  // towards the start, relative to the mean weight of a texel
 
 // Per view and texel: sum over lights of Y^2 and of Y C.
 struct Moments {
@@ -30,8 +30,8 @@ Moments moments(const ColumnBlocks& luma, const ColumnBlocks& chroma, int thread
 
 }  // namespace
 
-std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a, double start,
-                             int threads) {
+std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a,
+                             double start, int threads) {
   using Eigen::VectorXd;
   const Moments m = moments(luma, chroma, threads);
   Matrix right(a.flat_texels, 1), diagonal(a.flat_texels, 1), product(a.texels, 1);
@@ -71,13 +71,16 @@ std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chrom
   return r.data;
 }
 
-ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a, const Factors* light) {
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a,
+                       const Factors* light) {
   return {btf.texels(), btf.views(), btf.lights(), [&btf, &luma, &mean, &a, light](int v, Matrix& into) {
             Matrix seen, factor;
             a.apply(v, luma.weights, seen);
             const Eigen::Index first = Eigen::Index(v) * btf.lights();
-            if (into.rows != btf.texels() || into.cols != btf.lights()) into = Matrix(btf.texels(), btf.lights());
-            eigen(into).noalias() = eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
+            if (into.rows != btf.texels() || into.cols != btf.lights())
+              into = Matrix(btf.texels(), btf.lights());
+            eigen(into).noalias() =
+                eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
             eigen(into).rowwise() += eigen(mean).col(0).segment(first, btf.lights()).transpose();
             eigen(into) = eigen(into).cwiseMax(0.0);
             if (!light) return;
@@ -86,7 +89,8 @@ ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mea
           }};
 }
 
-std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong, const Indirection& a, int threads) {
+std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong,
+                                  const Indirection& a, int threads) {
   std::vector<glm::dvec2> ratios(size_t(a.flat_texels));
   for (int c = 0; c < 2; ++c) {
     const double start = phong.chroma == MeanChroma::kRatio ? double(c == 0 ? phong.cb : phong.cr) : 0.0;
@@ -96,10 +100,12 @@ std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, c
   return ratios;
 }
 
-ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma, const std::vector<glm::dvec2>& ratios, const Indirection& a) {
+ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma,
+                           const std::vector<glm::dvec2>& ratios, const Indirection& a) {
   Matrix ratio(a.flat_texels, 1);
   for (int t = 0; t < ratio.rows; ++t) ratio(t, 0) = ratios[size_t(t)][channel - 1];
-  return {btf.texels(), btf.views(), btf.lights(), [&btf, &a, channel, luma, ratio = std::move(ratio)](int v, Matrix& into) {
+  return {btf.texels(), btf.views(), btf.lights(),
+          [&btf, &a, channel, luma, ratio = std::move(ratio)](int v, Matrix& into) {
             Matrix whole, seen;
             luma.read(v, whole);
             a.apply(v, ratio, seen);

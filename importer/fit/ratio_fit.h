@@ -4,25 +4,29 @@
 #include <vector>
 
 #include "importer/fit/indirection.h"
-#include "importer/fit/ycc_btf.h"
 #include "importer/fit/pca.h"
+#include "importer/fit/ycc_btf.h"
 #include "material/model/mu.h"
 
 namespace loden::importer {
 
 // Minimises sum over views and lights of |(A_v r) Y_v - C_v|^2 for the Y that the asset gives.
-// `luma`, `chroma`: texels x (views * lights). `start` fills texels that no view sees. Returns flat_texels values.
-std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a, double start,
-                             int threads);
+// `luma`, `chroma`: texels x (views * lights). `start` fills texels that no view sees. Returns flat_texels
+// values.
+std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a,
+                             double start, int threads);
 
-// The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` as sampleMean gives it. All must outlive it.
-// With a light factor (lights x k at the samples) the product.
-ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a, const Factors* light = nullptr);
+// The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` as sampleMean gives
+// it. All must outlive it. With a light factor (lights x k at the samples) the product.
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a,
+                       const Factors* light = nullptr);
 
 // (Cb/Y, Cr/Y) per flat texel for the luma that the asset gives.
-std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong, const Indirection& a, int threads);
+std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong,
+                                  const Indirection& a, int threads);
 
 // What the ratios leave of channel 1 (Cb) or 2 (Cr). All must outlive it.
-ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma, const std::vector<glm::dvec2>& ratios, const Indirection& a);
+ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma,
+                           const std::vector<glm::dvec2>& ratios, const Indirection& a);
 
 }  // namespace loden::importer

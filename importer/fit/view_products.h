@@ -1,5 +1,5 @@
-// The table step of the joint fit: for given weights D each view's table E_v solves a small least-squares problem.
-// Internal to the fits, and the one header there that shows Eigen.
+// The table step of the joint fit: for given weights D each view's table E_v solves a small least-squares
+// problem. Internal to the fits, and the one header there that shows Eigen.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,8 @@ ViewProducts viewProducts(const Matrix& seen, const Matrix& block, const Matrix&
 // E_v^T, k x lights.
 Eigen::MatrixXd solveView(const ViewProducts& p);
 
-// Products of the columns i >= j of `m`, in column i (i + 1) / 2 + j: the distinct entries of each row's outer product.
+// Products of the columns i >= j of `m`, in column i (i + 1) / 2 + j: the distinct entries of each row's
+// outer product.
 Eigen::MatrixXd componentPairs(const Eigen::Ref<const Eigen::MatrixXd>& m);
 
 }  // namespace loden::importer

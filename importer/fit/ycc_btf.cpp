@@ -8,20 +8,23 @@
 #include <string>
 
 #include "importer/fit/reduction.h"
-#include "material/model/color.h"
 #include "material/base/issues.h"
+#include "material/model/color.h"
 #include "material/model/texture.h"
 
 namespace loden::importer {
 
 namespace {
 
-size_t valuesOf(int side, int lights, int views) { return size_t(3) * size_t(views) * size_t(lights) * size_t(side) * size_t(side); }
+size_t valuesOf(int side, int lights, int views) {
+  return size_t(3) * size_t(views) * size_t(lights) * size_t(side) * size_t(side);
+}
 
 }  // namespace
 
 YccBtf::YccBtf(int side, int lights, int views)
-    : YccBtf(side, lights, views, valuesOf(side, lights, views) * sizeof(float) <= kFloatLimit ? Store::kFloat : Store::kHalf) {}
+    : YccBtf(side, lights, views,
+             valuesOf(side, lights, views) * sizeof(float) <= kFloatLimit ? Store::kFloat : Store::kHalf) {}
 
 YccBtf::YccBtf(int side, int lights, int views, Store store) : side_(side), lights_(lights), views_(views) {
   const size_t values = valuesOf(side, lights, views);
@@ -31,9 +34,13 @@ YccBtf::YccBtf(int side, int lights, int views, Store store) : side_(side), ligh
     halves_.resize(values);
 }
 
-YccBtf YccBtf::halved() const { return {side_ / 2, lights_, views_, halves_.empty() ? Store::kFloat : Store::kHalf}; }
+YccBtf YccBtf::halved() const {
+  return {side_ / 2, lights_, views_, halves_.empty() ? Store::kFloat : Store::kHalf};
+}
 
-float YccBtf::largest() const { return halves_.empty() ? std::numeric_limits<float>::max() : 65504.0f; }
+float YccBtf::largest() const {
+  return halves_.empty() ? std::numeric_limits<float>::max() : 65504.0f;
+}
 
 size_t YccBtf::offset(int channel, int view) const {
   return (size_t(channel) * size_t(views_) + size_t(view)) * size_t(lights_) * size_t(texels());
@@ -86,9 +93,10 @@ Issue nonFiniteIssue(const BtfSource& source, const YccBtf& btf, int view, const
   std::snprintf(largest, sizeof largest, "%g", double(btf.largest()));
   const size_t side = size_t(source.size().x), texels = side * side, texel = bad.first % texels;
   return {issue_id::kNonFinite, Severity::kError, source.name(),
-          std::to_string(bad.count) + " values are not finite, or above " + largest + ", in view " + std::to_string(view) + ", the first at light " +
-              std::to_string(bad.first / texels) + ", texel (" + std::to_string(texel % side) + ", " +
-              std::to_string(texel / side) + "); repair the input, or let --fix-nonfinite do it"};
+          std::to_string(bad.count) + " values are not finite, or above " + largest + ", in view " +
+              std::to_string(view) + ", the first at light " + std::to_string(bad.first / texels) +
+              ", texel (" + std::to_string(texel % side) + ", " + std::to_string(texel / side) +
+              "); repair the input, or let --fix-nonfinite do it"};
 }
 
 }  // namespace
@@ -134,8 +142,9 @@ Matrix imageMeans(const YccBtf& btf, int threads) {
 
 namespace {
 
-// The fine texels [first, first + count) along one axis that coarse texel i covers, and the share of each in it, where
-// `half` texels cover the same length as `side`, which is odd: a border of coarse texels cuts through a fine one.
+// The fine texels [first, first + count) along one axis that coarse texel i covers, and the share of each in
+// it, where `half` texels cover the same length as `side`, which is odd: a border of coarse texels cuts
+// through a fine one.
 struct Overlap {
   int first = 0, count = 0;
   double share[4] = {0, 0, 0, 0};
@@ -143,7 +152,8 @@ struct Overlap {
 Overlap overlapOf(int i, int side, int half) {
   const double width = double(side) / half, begin = i * width, end = std::min((i + 1) * width, double(side));
   Overlap o{static_cast<int>(begin), 0, {}};
-  for (int t = o.first; t < side && t < end; ++t) o.share[o.count++] = (std::min(t + 1.0, end) - std::max(double(t), begin)) / width;
+  for (int t = o.first; t < side && t < end; ++t)
+    o.share[o.count++] = (std::min(t + 1.0, end) - std::max(double(t), begin)) / width;
   return o;
 }
 

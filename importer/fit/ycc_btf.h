@@ -41,7 +41,8 @@ class YccBtf {
   std::vector<uint16_t> halves_;
 };
 
-// Reads all views. A value that is not finite, or that the storage cannot hold, is an error with count and first place.
+// Reads all views. A value that is not finite, or that the storage cannot hold, is an error with count and
+// first place.
 Result<YccBtf> loadYcc(const BtfSource& source, int threads);
 
 // Mean over the texels of each image: (views * lights) x 3, row = view * lights + light.

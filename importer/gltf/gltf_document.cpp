@@ -11,7 +11,9 @@ namespace {
 
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-Issue issueAt(int id, const std::string& name, const std::string& text) { return {id, Severity::kError, name, text}; }
+Issue issueAt(int id, const std::string& name, const std::string& text) {
+  return {id, Severity::kError, name, text};
+}
 
 uint32_t u32At(std::string_view bytes, size_t at) {
   uint32_t value = 0;
@@ -24,16 +26,19 @@ void appendU32(std::string& bytes, uint32_t value) {
 }
 
 // Splits a GLB; `json` points into `bytes`.
-Status splitGlb(std::string_view bytes, const std::string& name, std::string_view& json, std::string& binary_chunk) {
+Status splitGlb(std::string_view bytes, const std::string& name, std::string_view& json,
+                std::string& binary_chunk) {
   const auto broken = [&](const std::string& text) { return issueAt(issue_id::kGltfParse, name, text); };
   if (u32At(bytes, 4) != 2) return broken("GLB version is not 2");
   if (u32At(bytes, 8) != bytes.size())
-    return broken("GLB header says " + std::to_string(u32At(bytes, 8)) + " bytes, the file has " + std::to_string(bytes.size()));
+    return broken("GLB header says " + std::to_string(u32At(bytes, 8)) + " bytes, the file has " +
+                  std::to_string(bytes.size()));
   size_t at = 12;
   for (int chunk = 0; at < bytes.size(); ++chunk) {
     if (bytes.size() - at < 8) return broken("GLB ends inside a chunk header");
     const uint32_t length = u32At(bytes, at), type = u32At(bytes, at + 4);
-    if (length > bytes.size() - at - 8) return broken("GLB chunk " + std::to_string(chunk) + " is longer than the file");
+    if (length > bytes.size() - at - 8)
+      return broken("GLB chunk " + std::to_string(chunk) + " is longer than the file");
     if (chunk == 0 && type != kJsonChunk) return broken("the first GLB chunk is not JSON");
     if (chunk == 0) json = bytes.substr(at + 8, length);
     if (chunk == 1 && type == kBinaryChunk) binary_chunk = bytes.substr(at + 8, length);
@@ -55,14 +60,15 @@ class TypeCheck {
   using Json = nlohmann::ordered_json;
   explicit TypeCheck(const std::string& name) : name_(name) {}
 
-  void list(const Json& object, const std::string& place, const char* key, bool (Json::*type)() const noexcept, const char* wanted) {
+  void list(const Json& object, const std::string& place, const char* key,
+            bool (Json::*type)() const noexcept, const char* wanted) {
     const Json* items = member(object, place, key, &Json::is_array, "an array");
     for (size_t i = 0; items && i < items->size(); ++i)
       expect((*items)[i], place + key + "[" + std::to_string(i) + "]", type, wanted);
   }
   // The member if it is there and of the type.
-  const Json* member(const Json& object, const std::string& place, const char* key, bool (Json::*type)() const noexcept,
-                     const char* wanted) {
+  const Json* member(const Json& object, const std::string& place, const char* key,
+                     bool (Json::*type)() const noexcept, const char* wanted) {
     if (!object.is_object()) return nullptr;  // said of the object itself
     const auto found = object.find(key);
     if (found == object.end() || !expect(*found, place + key, type, wanted)) return nullptr;
@@ -71,9 +77,11 @@ class TypeCheck {
   std::vector<Issue> issues;
 
  private:
-  bool expect(const Json& value, const std::string& place, bool (Json::*type)() const noexcept, const char* wanted) {
+  bool expect(const Json& value, const std::string& place, bool (Json::*type)() const noexcept,
+              const char* wanted) {
     if ((value.*type)()) return true;
-    issues.push_back(issueAt(issue_id::kGltfParse, name_ + ": " + place, std::string("must be ") + wanted + ", not " + value.type_name()));
+    issues.push_back(issueAt(issue_id::kGltfParse, name_ + ": " + place,
+                             std::string("must be ") + wanted + ", not " + value.type_name()));
     return false;
   }
 
@@ -90,17 +98,22 @@ std::vector<Issue> wrongTypes(const nlohmann::ordered_json& scene, const std::st
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     check.list(scene, "", list, &Json::is_string, "a string");
   const auto eachOf = [&](const char* list, const auto& visit) {
-    for (size_t i = 0; i < arraySize(scene, list); ++i) visit(scene[list][i], std::string(list) + "[" + std::to_string(i) + "].");
+    for (size_t i = 0; i < arraySize(scene, list); ++i)
+      visit(scene[list][i], std::string(list) + "[" + std::to_string(i) + "].");
   };
   eachOf("materials", [&](const Json& material, const std::string& place) {
     check.member(material, place, "name", &Json::is_string, "a string");
     check.member(material, place, "extensions", &Json::is_object, "an object");
   });
   for (const char* list : {"buffers", "images"})
-    eachOf(list, [&](const Json& item, const std::string& place) { check.member(item, place, "uri", &Json::is_string, "a string"); });
+    eachOf(list, [&](const Json& item, const std::string& place) {
+      check.member(item, place, "uri", &Json::is_string, "a string");
+    });
   if (const Json* extensions = check.member(scene, "", "extensions", &Json::is_object, "an object"))
-    if (const Json* ours = check.member(*extensions, "extensions.", kExtensionName, &Json::is_object, "an object"))
-      check.list(*ours, "extensions." + std::string(kExtensionName) + ".", "assets", &Json::is_object, "an object");
+    if (const Json* ours =
+            check.member(*extensions, "extensions.", kExtensionName, &Json::is_object, "an object"))
+      check.list(*ours, "extensions." + std::string(kExtensionName) + ".", "assets", &Json::is_object,
+                 "an object");
   return std::move(check.issues);
 }
 
@@ -109,13 +122,16 @@ Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name) 
   std::string_view json = bytes;
   if (bytes.size() >= 12 && u32At(bytes, 0) == kGlbMagic) {
     document.binary = true;
-    if (const Status status = splitGlb(bytes, name, json, document.binary_chunk); !status) return status.issue();
+    if (const Status status = splitGlb(bytes, name, json, document.binary_chunk); !status)
+      return status.issue();
   }
   if (const Status depth = checkJsonDepth(json, name); !depth) return depth.issue();
   document.json = nlohmann::ordered_json::parse(json, nullptr, false);
   if (!document.json.is_object()) return issueAt(issue_id::kGltfParse, name, "is no glTF: not a JSON object");
   const auto asset = document.json.find("asset");
-  const auto version = asset != document.json.end() && asset->is_object() ? asset->value("version", nlohmann::ordered_json()) : nlohmann::ordered_json();
+  const auto version = asset != document.json.end() && asset->is_object()
+                           ? asset->value("version", nlohmann::ordered_json())
+                           : nlohmann::ordered_json();
   if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
     return issueAt(issue_id::kGltfParse, name + ": asset.version", "is not 2.x");
   return document;
@@ -157,7 +173,8 @@ size_t arraySize(const nlohmann::ordered_json& object, const char* key) {
   return member != object.end() && member->is_array() ? member->size() : 0;
 }
 
-std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material, const std::string& attribute) {
+std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material,
+                                           const std::string& attribute) {
   std::vector<std::string> places;
   for (size_t m = 0; m < arraySize(scene, "meshes"); ++m)
     for (size_t p = 0; p < arraySize(scene["meshes"][m], "primitives"); ++p) {
@@ -180,15 +197,19 @@ std::string uriFromPath(const std::filesystem::path& relative) {
   return uri;
 }
 
-bool isDataUri(std::string_view uri) { return uri.starts_with("data:"); }
+bool isDataUri(std::string_view uri) {
+  return uri.starts_with("data:");
+}
 
 std::string base64(std::string_view bytes) {
   constexpr const char* kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   for (size_t i = 0; i < bytes.size(); i += 3) {
     uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
 }
@@ -196,7 +217,8 @@ std::string base64(std::string_view bytes) {
 std::optional<std::string> bytesOfDataUri(std::string_view uri) {
   constexpr std::string_view kMark = ";base64,";
   const size_t comma = uri.find(',');
-  if (!isDataUri(uri) || comma == std::string_view::npos || !uri.substr(0, comma + 1).ends_with(kMark)) return std::nullopt;
+  if (!isDataUri(uri) || comma == std::string_view::npos || !uri.substr(0, comma + 1).ends_with(kMark))
+    return std::nullopt;
   std::string_view text = uri.substr(comma + 1);
   for (int padding = 0; padding < 2 && text.ends_with('='); ++padding) text.remove_suffix(1);
   if (text.size() % 4 == 1) return std::nullopt;

@@ -1,5 +1,5 @@
-// A glTF file as JSON text, so that what Loden does not know survives editing. Nothing in it is trusted: pack and
-// validate read what strangers wrote. For drawing, runtime/ loads scenes through tinygltf.
+// A glTF file as JSON text, so that what Loden does not know survives editing. Nothing in it is trusted: pack
+// and validate read what strangers wrote. For drawing, runtime/ loads scenes through tinygltf.
 #pragma once
 
 #include <filesystem>
@@ -27,8 +27,8 @@ Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name);
 // Complete file: JSON with two spaces of indentation, or GLB with both chunks padded to four bytes.
 std::string serializeGltf(const GltfDocument& document);
 
-// Members that are there but have not the type that glTF gives them, of those that pack edits and validate reads
-// (kGltfParse); after none, they can be used without asking again.
+// Members that are there but have not the type that glTF gives them, of those that pack edits and validate
+// reads (kGltfParse); after none, they can be used without asking again.
 std::vector<Issue> wrongTypes(const nlohmann::ordered_json& scene, const std::string& name);
 
 // Index into an array member, or -1 if there is no such non-negative integer member.
@@ -36,7 +36,8 @@ int64_t integerMember(const nlohmann::ordered_json& object, const char* key);
 // Elements of an array member; 0 if there is no such array.
 size_t arraySize(const nlohmann::ordered_json& object, const char* key);
 // Places ("meshes[0].primitives[1]") of what wears the material and lacks the vertex attribute.
-std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material, const std::string& attribute);
+std::vector<std::string> primitivesWithout(const nlohmann::ordered_json& scene, int64_t material,
+                                           const std::string& attribute);
 
 // The uri of a path relative to the document's folder, percent-encoded where needed.
 std::string uriFromPath(const std::filesystem::path& relative);

@@ -4,8 +4,8 @@
 
 #include "importer/gltf/gltf_document.h"
 #include "material/base/check.h"
-#include "material/system/confined_path.h"
 #include "material/base/issues.h"
+#include "material/system/confined_path.h"
 
 namespace loden::importer {
 
@@ -18,10 +18,12 @@ GltfResource GltfResource::of(std::string bytes) {
   return resource;
 }
 
-Result<GltfResource> GltfResource::open(const std::string& uri, const fs::path& folder, const std::string& where) {
+Result<GltfResource> GltfResource::open(const std::string& uri, const fs::path& folder,
+                                        const std::string& where) {
   if (isDataUri(uri)) {
     auto bytes = bytesOfDataUri(uri);
-    if (!bytes) return Issue{issue_id::kGltfParse, Severity::kError, where, "is a data uri of no base64, or damaged"};
+    if (!bytes)
+      return Issue{issue_id::kGltfParse, Severity::kError, where, "is a data uri of no base64, or damaged"};
     return of(std::move(*bytes));
   }
   const auto path = confinedPath(folder, uri, where);
@@ -29,10 +31,13 @@ Result<GltfResource> GltfResource::open(const std::string& uri, const fs::path& 
   GltfResource resource;
   resource.file_ = *path;
   std::error_code error;
-  if (fs::is_regular_file(resource.file_, error)) resource.size_ = fs::file_size(resource.file_, error);
-  else error = std::make_error_code(std::errc::no_such_file_or_directory);
+  if (fs::is_regular_file(resource.file_, error))
+    resource.size_ = fs::file_size(resource.file_, error);
+  else
+    error = std::make_error_code(std::errc::no_such_file_or_directory);
   if (error || !std::ifstream(resource.file_, std::ios::binary))
-    return Issue{issue_id::kCannotOpen, Severity::kError, where, "'" + uri + "' is not there, or not readable"};
+    return Issue{issue_id::kCannotOpen, Severity::kError, where,
+                 "'" + uri + "' is not there, or not readable"};
   return resource;
 }
 
@@ -42,7 +47,8 @@ Result<std::string> GltfResource::read(uint64_t offset, uint64_t length) const {
   if (file_.empty()) return bytes_.substr(offset, length);
   std::ifstream file(file_, std::ios::binary);
   std::string bytes(length, '\0');
-  if (!file.seekg(static_cast<std::streamoff>(offset)) || !file.read(bytes.data(), static_cast<std::streamsize>(length)))
+  if (!file.seekg(static_cast<std::streamoff>(offset)) ||
+      !file.read(bytes.data(), static_cast<std::streamsize>(length)))
     return Issue{issue_id::kCannotRead, Severity::kError, file_.string(), "cannot be read"};
   return bytes;
 }

@@ -11,9 +11,10 @@ namespace loden::importer {
 
 class GltfResource {
  public:
-  // Of a data uri or of a file that stays in `folder`. Files are opened, not read: kGltfPath, kCannotOpen; a data uri
-  // that is no base64 is kGltfParse.
-  static Result<GltfResource> open(const std::string& uri, const std::filesystem::path& folder, const std::string& where);
+  // Of a data uri or of a file that stays in `folder`. Files are opened, not read: kGltfPath, kCannotOpen; a
+  // data uri that is no base64 is kGltfParse.
+  static Result<GltfResource> open(const std::string& uri, const std::filesystem::path& folder,
+                                   const std::string& where);
   static GltfResource of(std::string bytes);
 
   uint64_t size() const { return size_; }

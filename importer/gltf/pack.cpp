@@ -9,10 +9,10 @@
 #include "importer/base/file_read.h"
 #include "importer/gltf/gltf_document.h"
 #include "material/asset/asset.h"
-#include "material/system/atomic_file.h"
-#include "material/model/color.h"
-#include "material/system/confined_path.h"
 #include "material/base/issues.h"
+#include "material/model/color.h"
+#include "material/system/atomic_file.h"
+#include "material/system/confined_path.h"
 
 namespace loden::importer {
 namespace {
@@ -32,13 +32,15 @@ Result<int> findMaterial(const Json& scene, const PackOptions& options) {
     if (name == options.material) return static_cast<int>(m);
     names += (names.empty() ? "" : ", ") + ("'" + name + "'");
   }
-  return extensionIssue(options.scene, "has no material '" + options.material + "'; it has " + (names.empty() ? "none" : names));
+  return extensionIssue(options.scene, "has no material '" + options.material + "'; it has " +
+                                           (names.empty() ? "none" : names));
 }
 
 // Average colour and gloss of the material, as core glTF can say them.
 Json fittedFallback(const Material& material) {
-  glm::dvec3 color = glm::max(glm::dvec3(rgbFromYcc(glm::dvec3(
-      material.mean.ka + material.mean.kd, material.mean.cb, material.mean.cr))), 0.0);
+  glm::dvec3 color = glm::max(glm::dvec3(rgbFromYcc(glm::dvec3(material.mean.ka + material.mean.kd,
+                                                               material.mean.cb, material.mean.cr))),
+                              0.0);
   if (material.mean.chroma == MeanChroma::kRatio) {
     const double y = material.mean.ka + material.mean.kd;
     color = rgbFromYcc(glm::dvec3(y, material.mean.cb * y, material.mean.cr * y));
@@ -63,7 +65,8 @@ int64_t embedBytes(GltfDocument& document, const std::string& bytes) {
   Json& json = document.json;
   int64_t buffer = 0;
   size_t offset = 0;
-  const bool own_chunk = document.binary && (arraySize(json, "buffers") == 0 || !json["buffers"][0].contains("uri"));
+  const bool own_chunk =
+      document.binary && (arraySize(json, "buffers") == 0 || !json["buffers"][0].contains("uri"));
   if (own_chunk) {
     std::string& chunk = document.binary_chunk;
     chunk.append((4 - chunk.size() % 4) % 4, '\0');
@@ -72,7 +75,8 @@ int64_t embedBytes(GltfDocument& document, const std::string& bytes) {
     if (arraySize(json, "buffers") == 0) json["buffers"] = Json::array({Json::object()});
     json["buffers"][0]["byteLength"] = chunk.size();
   } else {
-    json["buffers"].push_back({{"uri", std::string("data:") + kAssetMimeType + ";base64," + base64(bytes)}, {"byteLength", bytes.size()}});
+    json["buffers"].push_back({{"uri", std::string("data:") + kAssetMimeType + ";base64," + base64(bytes)},
+                               {"byteLength", bytes.size()}});
     buffer = static_cast<int64_t>(json["buffers"].size()) - 1;
   }
   json["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
@@ -146,25 +150,28 @@ Status planResources(const Json& scene, const PackOptions& options, Copies& copi
 // <stem>-<8 digits of the bytes' hash>.loden
 fs::path hashedName(const fs::path& path, const std::string& bytes) {
   char digits[12];
-  std::snprintf(digits, sizeof digits, "-%08x", static_cast<unsigned>(XXH3_64bits(bytes.data(), bytes.size()) >> 32));
+  std::snprintf(digits, sizeof digits, "-%08x",
+                static_cast<unsigned>(XXH3_64bits(bytes.data(), bytes.size()) >> 32));
   return path.stem().string() + digits + path.extension().string();
 }
 
 // The asset as an entry of the root extension: embedded, or by uri with the file where the uri points.
-Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, const std::string& bytes, Copies& copies,
-                            PackReport& report) {
+Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, const std::string& bytes,
+                            Copies& copies, PackReport& report) {
   if (options.embed) {
     const int64_t view = embedBytes(document, bytes);
     report.asset_reference = "bufferView " + std::to_string(view);
     return Json{{"bufferView", view}, {"mimeType", kAssetMimeType}};
   }
   const fs::path folder = fs::absolute(options.output).parent_path();
-  fs::path relative = fs::absolute(options.asset).lexically_normal().lexically_relative(folder.lexically_normal());
+  fs::path relative =
+      fs::absolute(options.asset).lexically_normal().lexically_relative(folder.lexically_normal());
   if (relative.empty() || *relative.begin() == "..") {
     relative = options.asset.filename();
     if (!isFree(folder / relative, bytes)) relative = hashedName(relative, bytes);
     if (!isFree(folder / relative, bytes))
-      return Issue{issue_id::kExists, Severity::kError, (folder / relative).string(), "is another file; choose another folder for the output"};
+      return Issue{issue_id::kExists, Severity::kError, (folder / relative).string(),
+                   "is another file; choose another folder for the output"};
     copies.push_back({options.asset, folder / relative});
   }
   report.asset_reference = uriFromPath(relative);
@@ -184,7 +191,8 @@ Status checkTexCoords(const Json& scene, int material, const PackOptions& option
   const std::string attribute = "TEXCOORD_" + std::to_string(options.tex_coord);
   const std::vector<std::string> bare = primitivesWithout(scene, material, attribute);
   if (bare.empty()) return {};
-  return extensionIssue(options.scene, bare.front() + " wears '" + options.material + "' and has no " + attribute +
+  return extensionIssue(options.scene, bare.front() + " wears '" + options.material + "' and has no " +
+                                           attribute +
                                            "; unwrap the mesh, or name another set with --texcoord");
 }
 
@@ -198,7 +206,8 @@ Result<PackReport> pack(const PackOptions& options) {
   if (document->binary != (options.output.extension() == ".glb"))
     return Issue{issue_id::kVersion, Severity::kError, options.output.string(),
                  "must be the same kind of file as the scene: .gltf to .gltf, .glb to .glb"};
-  if (const auto wrong = wrongTypes(document->json, options.scene.string()); !wrong.empty()) return wrong.front();
+  if (const auto wrong = wrongTypes(document->json, options.scene.string()); !wrong.empty())
+    return wrong.front();
   const auto asset_bytes = readFile(options.asset);
   if (!asset_bytes) return asset_bytes.issue();
   const auto asset = parseAsset(std::as_bytes(std::span(*asset_bytes)), options.asset.string());
@@ -208,7 +217,8 @@ Result<PackReport> pack(const PackOptions& options) {
   if (const Status status = checkTexCoords(document->json, *index, options); !status) return status.issue();
   std::error_code error;
   if (const fs::path folder = fs::absolute(options.output).parent_path(); !fs::is_directory(folder, error))
-    return Issue{issue_id::kCannotWrite, Severity::kError, options.output.string(), "the folder is not there; make it first"};
+    return Issue{issue_id::kCannotWrite, Severity::kError, options.output.string(),
+                 "the folder is not there; make it first"};
 
   PackReport report;
   report.material = *index;
@@ -226,7 +236,8 @@ Result<PackReport> pack(const PackOptions& options) {
   for (const Copy& copy : copies)
     if (const Status status = copyFile(copy, report); !status) return status.issue();
   const std::string packed = serializeGltf(*document);
-  if (const Status status = writeFileAtomically(options.output, std::as_bytes(std::span(packed))); !status) return status.issue();
+  if (const Status status = writeFileAtomically(options.output, std::as_bytes(std::span(packed))); !status)
+    return status.issue();
   report.files.push_back(options.output);
   return report;
 }

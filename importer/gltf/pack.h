@@ -23,20 +23,20 @@ struct PackOptions {
 };
 
 struct PackReport {
-  int material = 0;               // index in the scene
-  std::string asset_reference;    // uri, or "bufferView N"
+  int material = 0;             // index in the scene
+  std::string asset_reference;  // uri, or "bufferView N"
   bool fallback_fitted = false;
   std::vector<std::filesystem::path> files;  // written or copied
 };
 
 // Everything else in the scene stays as it is. If the output lies in another folder, buffers and images that
-// the scene names by uri are copied beside it. No file of other bytes is overwritten: an asset whose name is taken
-// gets its hash into the name, a buffer or image is refused (kExists). The scene itself is written last, whole or
-// not at all.
+// the scene names by uri are copied beside it. No file of other bytes is overwritten: an asset whose name is
+// taken gets its hash into the name, a buffer or image is refused (kExists). The scene itself is written
+// last, whole or not at all.
 Result<PackReport> pack(const PackOptions& options);
 
-// Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to; no result (kCannotOpen, kCannotRead)
-// if the scene itself cannot be read.
+// Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to; no
+// result (kCannotOpen, kCannotRead) if the scene itself cannot be read.
 Result<std::vector<Issue>> validateGltf(const std::filesystem::path& path);
 
 }  // namespace loden::importer

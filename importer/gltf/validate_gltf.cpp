@@ -7,9 +7,9 @@
 #include "importer/gltf/gltf_resource.h"
 #include "importer/gltf/pack.h"
 #include "material/asset/asset.h"
-#include "material/system/confined_path.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/issues.h"
+#include "material/system/confined_path.h"
 
 namespace loden::importer {
 namespace {
@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 class SceneCheck {
  public:
-  SceneCheck(const fs::path& path, const GltfDocument& document) : path_(path), document_(document), json_(document.json) {}
+  SceneCheck(const fs::path& path, const GltfDocument& document)
+      : path_(path), document_(document), json_(document.json) {}
 
   std::vector<Issue> run() {
     issues_ = wrongTypes(json_, path_.string());
@@ -39,7 +40,9 @@ class SceneCheck {
     issues_.push_back({id, severity, path_.string() + ": " + place, text});
   }
 
-  static std::string at(const char* list, size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
+  static std::string at(const char* list, size_t i) {
+    return std::string(list) + "[" + std::to_string(i) + "]";
+  }
 
   void checkRequired() {
     for (size_t i = 0; i < arraySize(json_, "extensionsRequired"); ++i) {
@@ -64,7 +67,8 @@ class SceneCheck {
   Result<GltfResource> openBuffer(size_t i) const {
     if (const std::string* uri = uriOf(json_["buffers"][i])) return openUri(*uri, at("buffers", i) + ".uri");
     if (document_.binary && i == 0) return GltfResource::of(document_.binary_chunk);
-    return Issue{issue_id::kGltfAccessor, Severity::kError, path_.string() + ": " + at("buffers", i), "has no uri, and is no binary chunk"};
+    return Issue{issue_id::kGltfAccessor, Severity::kError, path_.string() + ": " + at("buffers", i),
+                 "has no uri, and is no binary chunk"};
   }
 
   // Every buffer has the bytes that it declares.
@@ -72,17 +76,22 @@ class SceneCheck {
     for (size_t i = 0; i < arraySize(json_, "buffers"); ++i) {
       const auto buffer = openBuffer(i);
       const int64_t declared = integerMember(json_["buffers"][i], "byteLength");
-      if (!buffer) issues_.push_back(buffer.issue());
-      else if (declared < 1) add(issue_id::kGltfAccessor, at("buffers", i), "has no byteLength");
+      if (!buffer)
+        issues_.push_back(buffer.issue());
+      else if (declared < 1)
+        add(issue_id::kGltfAccessor, at("buffers", i), "has no byteLength");
       else if (buffer->size() < static_cast<uint64_t>(declared))
-        add(issue_id::kGltfAccessor, at("buffers", i), "has " + std::to_string(buffer->size()) + " bytes of the " + std::to_string(declared) + " that it declares");
+        add(issue_id::kGltfAccessor, at("buffers", i),
+            "has " + std::to_string(buffer->size()) + " bytes of the " + std::to_string(declared) +
+                " that it declares");
     }
   }
 
   void checkImages() {
     for (size_t i = 0; i < arraySize(json_, "images"); ++i)
       if (const std::string* uri = uriOf(json_["images"][i]))
-        if (const auto image = openUri(*uri, at("images", i) + ".uri"); !image) issues_.push_back(image.issue());
+        if (const auto image = openUri(*uri, at("images", i) + ".uri"); !image)
+          issues_.push_back(image.issue());
   }
 
   // All sums in 64 bit; members are at most 2^53 in valid JSON, so that nothing overflows.
@@ -90,7 +99,8 @@ class SceneCheck {
     for (size_t i = 0; i < arraySize(json_, "bufferViews"); ++i) {
       const Json& view = json_["bufferViews"][i];
       const int64_t buffer = integerMember(view, "buffer"), length = integerMember(view, "byteLength");
-      const int64_t offset = view.is_object() && view.contains("byteOffset") ? integerMember(view, "byteOffset") : 0;
+      const int64_t offset =
+          view.is_object() && view.contains("byteOffset") ? integerMember(view, "byteOffset") : 0;
       if (buffer < 0 || static_cast<size_t>(buffer) >= arraySize(json_, "buffers")) {
         add(issue_id::kGltfAccessor, at("bufferViews", i), "names no existing buffer");
         continue;
@@ -103,10 +113,21 @@ class SceneCheck {
 
   static int64_t elementBytes(const Json& accessor) {
     const int64_t type = integerMember(accessor, "componentType");
-    const int64_t component = type == 5120 || type == 5121 ? 1 : type == 5122 || type == 5123 ? 2 : type == 5125 || type == 5126 ? 4 : 0;
-    const std::string shape = accessor.is_object() && accessor.contains("type") && accessor["type"].is_string() ? accessor["type"].get<std::string>() : "";
-    const int64_t count = shape == "SCALAR" ? 1 : shape == "VEC2" ? 2 : shape == "VEC3" ? 3 : shape == "VEC4" || shape == "MAT2" ? 4
-                          : shape == "MAT3" ? 9 : shape == "MAT4" ? 16 : 0;
+    const int64_t component = type == 5120 || type == 5121   ? 1
+                              : type == 5122 || type == 5123 ? 2
+                              : type == 5125 || type == 5126 ? 4
+                                                             : 0;
+    const std::string shape =
+        accessor.is_object() && accessor.contains("type") && accessor["type"].is_string()
+            ? accessor["type"].get<std::string>()
+            : "";
+    const int64_t count = shape == "SCALAR"                    ? 1
+                          : shape == "VEC2"                    ? 2
+                          : shape == "VEC3"                    ? 3
+                          : shape == "VEC4" || shape == "MAT2" ? 4
+                          : shape == "MAT3"                    ? 9
+                          : shape == "MAT4"                    ? 16
+                                                               : 0;
     return component * count;
   }
 
@@ -150,17 +171,23 @@ class SceneCheck {
       const Json& asset = assets[i];
       const bool by_uri = asset.is_object() && asset.contains("uri") && asset["uri"].is_string();
       const bool by_view = asset.is_object() && asset.contains("bufferView");
-      if (by_uri == by_view) add(issue_id::kGltfExtension, place, "needs either a uri or a bufferView");
-      else if (by_uri) checkFile(asset["uri"].get<std::string>(), place);
-      else checkEmbedded(asset, place);
+      if (by_uri == by_view)
+        add(issue_id::kGltfExtension, place, "needs either a uri or a bufferView");
+      else if (by_uri)
+        checkFile(asset["uri"].get<std::string>(), place);
+      else
+        checkEmbedded(asset, place);
     }
   }
 
   void checkFile(const std::string& uri, const std::string& place) {
-    const auto relative = relativePathOfUri(uri, path_.string() + ": " + place);  // an asset's uri is never data
+    const auto relative =
+        relativePathOfUri(uri, path_.string() + ": " + place);  // an asset's uri is never data
     const auto file = relative ? openUri(uri, place) : Result<GltfResource>(relative.issue());
-    if (file) checkBytes(*file, 0, file->size(), (path_.parent_path() / *relative).string());
-    else issues_.push_back(file.issue());
+    if (file)
+      checkBytes(*file, 0, file->size(), (path_.parent_path() / *relative).string());
+    else
+      issues_.push_back(file.issue());
   }
 
   void checkEmbedded(const Json& asset, const std::string& place) {
@@ -173,13 +200,17 @@ class SceneCheck {
     }
     const Json& buffer_view = json_["bufferViews"][view];
     const int64_t index = integerMember(buffer_view, "buffer");
-    if (index < 0 || static_cast<size_t>(index) >= arraySize(json_, "buffers")) return;  // said by checkBufferViews
+    if (index < 0 || static_cast<size_t>(index) >= arraySize(json_, "buffers"))
+      return;  // said by checkBufferViews
     const auto buffer = openBuffer(static_cast<size_t>(index));
     if (!buffer) return;  // said by checkBuffers
     const int64_t offset = std::max<int64_t>(0, integerMember(buffer_view, "byteOffset"));
-    const int64_t length = integerMember(buffer_view, "byteLength"), size = static_cast<int64_t>(buffer->size());
-    if (length < 1 || length > size || offset > size - length) return;  // said by checkBufferViews or checkBuffers
-    checkBytes(*buffer, static_cast<uint64_t>(offset), static_cast<uint64_t>(length), path_.string() + ": " + place);
+    const int64_t length = integerMember(buffer_view, "byteLength"),
+                  size = static_cast<int64_t>(buffer->size());
+    if (length < 1 || length > size || offset > size - length)
+      return;  // said by checkBufferViews or checkBuffers
+    checkBytes(*buffer, static_cast<uint64_t>(offset), static_cast<uint64_t>(length),
+               path_.string() + ": " + place);
   }
 
   void checkBytes(const GltfResource& resource, uint64_t offset, uint64_t length, const std::string& name) {
@@ -194,7 +225,8 @@ class SceneCheck {
 
   static bool areNumbers(const Json& value, size_t count) {
     return value.is_array() && value.size() == count &&
-           std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); });
+           std::all_of(value.begin(), value.end(),
+                       [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); });
   }
 
   void checkMaterials() {
@@ -235,8 +267,10 @@ class SceneCheck {
       return;
     }
     bool declared = false;
-    for (size_t i = 0; i < arraySize(json_, "extensionsUsed"); ++i) declared |= json_["extensionsUsed"][i] == kExtensionName;
-    if (!declared) add(issue_id::kGltfExtension, "extensionsUsed", std::string("does not list ") + kExtensionName);
+    for (size_t i = 0; i < arraySize(json_, "extensionsUsed"); ++i)
+      declared |= json_["extensionsUsed"][i] == kExtensionName;
+    if (!declared)
+      add(issue_id::kGltfExtension, "extensionsUsed", std::string("does not list ") + kExtensionName);
   }
 
   const fs::path& path_;

@@ -26,9 +26,11 @@ struct Use {
 std::string triangleName(const MeshName& name, size_t triangle, std::span<const glm::dvec3> positions,
                          std::span<const glm::uvec3> triangles) {
   const glm::uvec3& t = triangles[triangle];
-  const glm::dvec3 centre = name.origin + name.unit * (positions[t.x] + positions[t.y] + positions[t.z]) / 3.0;
+  const glm::dvec3 centre =
+      name.origin + name.unit * (positions[t.x] + positions[t.y] + positions[t.z]) / 3.0;
   char text[96];
-  std::snprintf(text, sizeof text, ": triangle %u at (%.4g, %.4g, %.4g)", name.number(triangle), centre.x, centre.y, centre.z);
+  std::snprintf(text, sizeof text, ": triangle %u at (%.4g, %.4g, %.4g)", name.number(triangle), centre.x,
+                centre.y, centre.z);
   return name.file + text;
 }
 
@@ -44,12 +46,14 @@ PeriodicNodes periodicNodes(std::span<const glm::dvec3> positions) {
   return nodes;
 }
 
-Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
+Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positions,
+                                              std::span<const glm::uvec3> triangles,
                                               const PeriodicNodes& nodes, const MeshName& name) {
   std::map<Edge, std::vector<Use>> edges;
   for (uint32_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
-      const uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3], na = nodes.node[a], nb = nodes.node[b];
+      const uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3], na = nodes.node[a],
+                     nb = nodes.node[b];
       const glm::dvec2 d = nodes.shift[b] - nodes.shift[a];
       const bool forward = na < nb || (na == nb && (d.x > 0 || (d.x == 0 && d.y > 0)));
       const Edge edge = forward ? Edge{na, nb, long(d.x), long(d.y)} : Edge{nb, na, long(-d.x), long(-d.y)};
@@ -62,9 +66,13 @@ Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positi
   for (const auto& [edge, uses] : edges) {
     if (uses.size() == 1) continue;
     if (uses.size() > 2 || uses[0].forward == uses[1].forward)
-      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(name, uses.back().triangle, positions, triangles),
-                   uses.size() > 2 ? "an edge is shared by more than two triangles (the surface is not a manifold); repair the mesh"
-                                   : "faces the other way than triangle " + std::to_string(name.number(uses[0].triangle)) + " beside it; turn one of them over"};
+      return Issue{issue_id::kTileGeometry, Severity::kError,
+                   triangleName(name, uses.back().triangle, positions, triangles),
+                   uses.size() > 2 ? "an edge is shared by more than two triangles (the surface is not a "
+                                     "manifold); repair the mesh"
+                                   : "faces the other way than triangle " +
+                                         std::to_string(name.number(uses[0].triangle)) +
+                                         " beside it; turn one of them over"};
     const glm::ivec2 shift(nodeShift(uses[0]) - nodeShift(uses[1]));
     neighbours[3 * uses[0].triangle + size_t(uses[0].corner)] = {uses[1].triangle, shift};
     neighbours[3 * uses[1].triangle + size_t(uses[1].corner)] = {uses[0].triangle, -shift};
@@ -72,12 +80,15 @@ Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positi
   return neighbours;
 }
 
-long eulerNumber(const PeriodicNodes& nodes, std::span<const glm::uvec3> triangles, std::span<const Neighbour> neighbours) {
+long eulerNumber(const PeriodicNodes& nodes, std::span<const glm::uvec3> triangles,
+                 std::span<const Neighbour> neighbours) {
   std::vector<bool> used(nodes.first.size(), false);
   for (const glm::uvec3& t : triangles)
     for (int k = 0; k < 3; ++k) used[nodes.node[t[k]]] = true;
-  const auto inner = std::count_if(neighbours.begin(), neighbours.end(), [](const Neighbour& n) { return n.exists(); });
-  return long(std::count(used.begin(), used.end(), true)) - (long(neighbours.size()) - long(inner) / 2) + long(triangles.size());
+  const auto inner =
+      std::count_if(neighbours.begin(), neighbours.end(), [](const Neighbour& n) { return n.exists(); });
+  return long(std::count(used.begin(), used.end(), true)) - (long(neighbours.size()) - long(inner) / 2) +
+         long(triangles.size());
 }
 
 size_t countComponents(std::span<const Neighbour> neighbours) {

@@ -19,7 +19,9 @@ struct MeshName {
   std::vector<uint32_t> numbers;  // per triangle; empty: as they come
   double unit = 1;                // of the file, of a position here
   glm::dvec3 origin{0};           // in the file
-  uint32_t number(size_t triangle) const { return triangle < numbers.size() ? numbers[triangle] : uint32_t(triangle); }
+  uint32_t number(size_t triangle) const {
+    return triangle < numbers.size() ? numbers[triangle] : uint32_t(triangle);
+  }
 };
 
 // Vertices that coincide, also one period on, are one node; each corner knows which period it stands in.
@@ -30,7 +32,8 @@ struct PeriodicNodes {
 };
 PeriodicNodes periodicNodes(std::span<const glm::dvec3> positions);
 
-// Across edge k of a triangle, from its corner k to the next: the triangle that shares it when moved by `shift`.
+// Across edge k of a triangle, from its corner k to the next: the triangle that shares it when moved by
+// `shift`.
 struct Neighbour {
   static constexpr uint32_t kNone = 0xFFFFFFFFu;  // the edge is open
   uint32_t triangle = kNone;
@@ -38,13 +41,15 @@ struct Neighbour {
   bool exists() const { return triangle != kNone; }
 };
 
-// [3 * triangle + k]. Refuses edges of more than two triangles, or of two that face opposite ways, with triangle
-// and position named.
-Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
+// [3 * triangle + k]. Refuses edges of more than two triangles, or of two that face opposite ways, with
+// triangle and position named.
+Result<std::vector<Neighbour>> findNeighbours(std::span<const glm::dvec3> positions,
+                                              std::span<const glm::uvec3> triangles,
                                               const PeriodicNodes& nodes, const MeshName& name);
 
 // Nodes - edges + triangles: 0 for a torus, less with handles.
-long eulerNumber(const PeriodicNodes& nodes, std::span<const glm::uvec3> triangles, std::span<const Neighbour> neighbours);
+long eulerNumber(const PeriodicNodes& nodes, std::span<const glm::uvec3> triangles,
+                 std::span<const Neighbour> neighbours);
 
 // Connected pieces of the surface.
 size_t countComponents(std::span<const Neighbour> neighbours);

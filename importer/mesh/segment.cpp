@@ -15,7 +15,8 @@
 namespace loden::importer {
 namespace {
 
-constexpr double kMostStretch = 3;  // of a chart: surface per parameter area, relative to its mean, for 90 % of it
+constexpr double kMostStretch =
+    3;  // of a chart: surface per parameter area, relative to its mean, for 90 % of it
 constexpr size_t kMostCharts = 1000;
 
 using Piece = std::vector<uint32_t>;  // triangles
@@ -29,7 +30,8 @@ struct Surface {
   glm::dvec3 corner(uint32_t t, int k) const { return positions[triangles[t][k]]; }
   // From the triangle's centre to the middle of edge k; the same in every period.
   double reach(uint32_t t, int k) const {
-    return glm::distance((corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0, (corner(t, k) + corner(t, (k + 1) % 3)) / 2.0);
+    return glm::distance((corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0,
+                         (corner(t, k) + corner(t, (k + 1) % 3)) / 2.0);
   }
 };
 
@@ -59,8 +61,10 @@ std::optional<Sheet> unfold(const Surface& surface, const Piece& piece) {
       ++inner_edges;
       const glm::ivec2 theirs = *shift[at] + next.shift;
       auto& known = shift[found->second];
-      if (!known) known = theirs, stack.push_back(found->second);
-      else if (*known != theirs) return std::nullopt;
+      if (!known)
+        known = theirs, stack.push_back(found->second);
+      else if (*known != theirs)
+        return std::nullopt;
     }
   }
   Sheet sheet;
@@ -70,13 +74,16 @@ std::optional<Sheet> unfold(const Surface& surface, const Piece& piece) {
     for (int k = 0; k < 3; ++k) {
       const uint32_t v = surface.triangles[piece[t]][k];
       const glm::ivec2 period = *shift[t] + glm::ivec2(surface.nodes.shift[v]);
-      const auto [entry, fresh] = vertices.try_emplace({surface.nodes.node[v], period.x, period.y}, uint32_t(sheet.source.size()));
-      if (fresh) sheet.source.push_back(v), sheet.positions.push_back(surface.positions[v] + glm::dvec3(*shift[t], 0));
+      const auto [entry, fresh] =
+          vertices.try_emplace({surface.nodes.node[v], period.x, period.y}, uint32_t(sheet.source.size()));
+      if (fresh)
+        sheet.source.push_back(v), sheet.positions.push_back(surface.positions[v] + glm::dvec3(*shift[t], 0));
       corners[k] = entry->second;
     }
     sheet.triangles.push_back(corners);
   }
-  const long euler = long(sheet.positions.size()) - long(3 * piece.size() - inner_edges / 2) + long(piece.size());
+  const long euler =
+      long(sheet.positions.size()) - long(3 * piece.size() - inner_edges / 2) + long(piece.size());
   if (euler != 1) return std::nullopt;
   return sheet;
 }
@@ -87,7 +94,8 @@ struct LocalTriangle {
   double twice_area;
 };
 LocalTriangle localTriangle(const Sheet& sheet, const glm::uvec3& t) {
-  const glm::dvec3 e1 = sheet.positions[t.y] - sheet.positions[t.x], e2 = sheet.positions[t.z] - sheet.positions[t.x];
+  const glm::dvec3 e1 = sheet.positions[t.y] - sheet.positions[t.x],
+                   e2 = sheet.positions[t.z] - sheet.positions[t.x];
   const double length = glm::length(e1), area = glm::length(glm::cross(e1, e2));
   return {{{0, 0}, {length, 0}, {glm::dot(e1, e2) / length, area / length}}, area};
 }
@@ -96,7 +104,8 @@ LocalTriangle localTriangle(const Sheet& sheet, const glm::uvec3& t) {
 std::pair<uint32_t, uint32_t> pins(const Sheet& sheet) {
   std::pair<uint32_t, uint32_t> best{0, 1};
   double furthest = -1;
-  for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 1, 0), glm::dvec3(1, -1, 0)}) {
+  for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1),
+                                glm::dvec3(1, 1, 0), glm::dvec3(1, -1, 0)}) {
     uint32_t low = 0, high = 0;
     for (uint32_t v = 0; v < sheet.positions.size(); ++v) {
       if (glm::dot(sheet.positions[v], axis) < glm::dot(sheet.positions[low], axis)) low = v;
@@ -108,8 +117,8 @@ std::pair<uint32_t, uint32_t> pins(const Sheet& sheet) {
   return best;
 }
 
-// Levy et al. 2002, eq. 4: in each triangle the gradients of u and v are turned by a right angle, as nearly as
-// least squares can make them, with two vertices held.
+// Levy et al. 2002, eq. 4: in each triangle the gradients of u and v are turned by a right angle, as nearly
+// as least squares can make them, with two vertices held.
 bool flatten(Sheet& sheet) {
   const auto [pin0, pin1] = pins(sheet);
   if (pin0 == pin1) return false;
@@ -136,7 +145,8 @@ bool flatten(Sheet& sheet) {
         continue;
       }
       entries.emplace_back(row, 2 * column[v], w.x), entries.emplace_back(row, 2 * column[v] + 1, -w.y);
-      entries.emplace_back(row + 1, 2 * column[v], w.y), entries.emplace_back(row + 1, 2 * column[v] + 1, w.x);
+      entries.emplace_back(row + 1, 2 * column[v], w.y),
+          entries.emplace_back(row + 1, 2 * column[v] + 1, w.x);
     }
   }
   Eigen::SparseMatrix<double> a(rows, 2 * columns);
@@ -150,14 +160,17 @@ bool flatten(Sheet& sheet) {
   return solution.allFinite();
 }
 
-double twiceArea(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+double twiceArea(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
 
 // Scaled to the surface's area; false where some of it is stretched much more than the rest.
 bool scaleToArea(Sheet& sheet) {
   double surface = 0, parameter = 0;
   std::vector<std::pair<double, double>> densities;  // surface per parameter area, surface
   for (const glm::uvec3& t : sheet.triangles) {
-    const double area = localTriangle(sheet, t).twice_area, p = twiceArea(sheet.params[t.x], sheet.params[t.y], sheet.params[t.z]);
+    const double area = localTriangle(sheet, t).twice_area,
+                 p = twiceArea(sheet.params[t.x], sheet.params[t.y], sheet.params[t.z]);
     surface += area, parameter += p;
     densities.push_back({area / p, area});
   }
@@ -167,7 +180,8 @@ bool scaleToArea(Sheet& sheet) {
   for (const auto& [density, area] : densities) {
     below += area;
     const double relative = density * parameter / surface;
-    if (below > 0.05 * surface && below < 0.95 * surface) even &= relative < kMostStretch && relative > 1 / kMostStretch;
+    if (below > 0.05 * surface && below < 0.95 * surface)
+      even &= relative < kMostStretch && relative > 1 / kMostStretch;
   }
   for (glm::dvec2& p : sheet.params) p *= std::sqrt(surface / parameter);
   return even;
@@ -177,8 +191,8 @@ bool cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 d) {
   return twiceArea(a, b, c) * twiceArea(a, b, d) < 0 && twiceArea(c, d, a) * twiceArea(c, d, b) < 0;
 }
 
-// Distances from the seeds within the piece, along paths from centre to centre over the edges' middles; and whose
-// seed is nearest.
+// Distances from the seeds within the piece, along paths from centre to centre over the edges' middles; and
+// whose seed is nearest.
 struct Distances {
   std::map<uint32_t, double> distance;
   std::map<uint32_t, uint32_t> seed;
@@ -199,7 +213,8 @@ Distances distancesFrom(const Surface& surface, const Piece& piece, std::span<co
       if (!next.exists() || !inside.contains(next.triangle) || d.distance.contains(next.triangle)) continue;
       double onwards = 0;  // from the shared edge to the neighbour's centre
       for (int m = 0; m < 3; ++m)
-        if (surface.neighbours[3 * next.triangle + size_t(m)].triangle == t) onwards = surface.reach(next.triangle, m);
+        if (surface.neighbours[3 * next.triangle + size_t(m)].triangle == t)
+          onwards = surface.reach(next.triangle, m);
       queue.push({distance + surface.reach(t, k) + onwards, next.triangle, seed});
     }
   }
@@ -256,7 +271,8 @@ void append(const Piece& piece, const Sheet& sheet, uint16_t chart, ChartedMesh&
   mesh.source.insert(mesh.source.end(), sheet.source.begin(), sheet.source.end());
   mesh.positions.insert(mesh.positions.end(), sheet.positions.begin(), sheet.positions.end());
   mesh.params.insert(mesh.params.end(), sheet.params.begin(), sheet.params.end());
-  for (size_t t = 0; t < piece.size(); ++t) mesh.triangles[piece[t]] = sheet.triangles[t] + first, mesh.charts[piece[t]] = chart;
+  for (size_t t = 0; t < piece.size(); ++t)
+    mesh.triangles[piece[t]] = sheet.triangles[t] + first, mesh.charts[piece[t]] = chart;
 }
 
 }  // namespace
@@ -283,7 +299,8 @@ bool isFlat(std::span<const glm::dvec2> params, std::span<const glm::uvec3> tria
   return true;
 }
 
-Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name) {
+Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
+                                const MeshName& name) {
   Surface surface{positions, triangles, periodicNodes(positions), {}};
   auto neighbours = findNeighbours(positions, triangles, surface.nodes, name);
   if (!neighbours) return neighbours.issue();
@@ -300,13 +317,16 @@ Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span
     if (const auto sheet = chartOf(surface, piece)) {
       append(piece, *sheet, uint16_t(++charts), mesh);
     } else if (piece.size() == 1) {
-      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName(name, piece[0], positions, triangles), "cannot be flattened: it has no area"};
+      return Issue{issue_id::kTileGeometry, Severity::kError,
+                   triangleName(name, piece[0], positions, triangles), "cannot be flattened: it has no area"};
     } else {
       auto [a, b] = halve(surface, piece);
       left.push_back(std::move(b)), left.push_back(std::move(a));
     }
     if (charts + left.size() > kMostCharts)
-      return Issue{issue_id::kTileUv, Severity::kError, name.file, "the surface falls into more than " + std::to_string(kMostCharts) + " charts; give texture coordinates"};
+      return Issue{issue_id::kTileUv, Severity::kError, name.file,
+                   "the surface falls into more than " + std::to_string(kMostCharts) +
+                       " charts; give texture coordinates"};
   }
   return mesh;
 }

@@ -21,14 +21,15 @@ struct ChartedMesh {
   std::vector<uint16_t> charts;       // per triangle, from 1
 };
 
-// positions have period 1 in x and y. Every connected component is a chart if it can be flattened without folds
-// or overlaps and without much stretch (least squares conformal maps, Levy et al. 2002); else it is cut into two
-// halves, and so on. Refuses, with triangle and position named, edges of more than two triangles or of two that
-// face opposite ways.
-Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const MeshName& name);
+// positions have period 1 in x and y. Every connected component is a chart if it can be flattened without
+// folds or overlaps and without much stretch (least squares conformal maps, Levy et al. 2002); else it is cut
+// into two halves, and so on. Refuses, with triangle and position named, edges of more than two triangles or
+// of two that face opposite ways.
+Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
+                                const MeshName& name);
 
-// Whether triangles with these params, one chart, lie the right way round and nowhere over each other: none is
-// turned over, and the border does not cross itself.
+// Whether triangles with these params, one chart, lie the right way round and nowhere over each other: none
+// is turned over, and the border does not cross itself.
 bool isFlat(std::span<const glm::dvec2> params, std::span<const glm::uvec3> triangles);
 
 }  // namespace loden::importer

@@ -12,7 +12,8 @@ class WeldGrid {
   WeldGrid(const glm::dvec3& period, double tolerance) : period_(period), tolerance_(tolerance) {
     for (int axis = 0; axis < 3; ++axis) {
       cell_[axis] = 64 * tolerance;
-      if (period[axis] > 0) cell_[axis] = period[axis] / std::max(1.0, std::floor(period[axis] / cell_[axis]));
+      if (period[axis] > 0)
+        cell_[axis] = period[axis] / std::max(1.0, std::floor(period[axis] / cell_[axis]));
     }
   }
 
@@ -59,7 +60,8 @@ class WeldGrid {
 
 }  // namespace
 
-std::vector<uint32_t> weldVertices(std::span<const glm::dvec3> positions, const glm::dvec3& period, double tolerance) {
+std::vector<uint32_t> weldVertices(std::span<const glm::dvec3> positions, const glm::dvec3& period,
+                                   double tolerance) {
   WeldGrid grid(period, tolerance);
   std::vector<uint32_t> representative(positions.size());
   for (uint32_t v = 0; v < positions.size(); ++v) representative[v] = grid.weld(positions, v);

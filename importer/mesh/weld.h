@@ -11,6 +11,7 @@ namespace loden::importer {
 
 // [vertex]: the lowest vertex within `tolerance` of it in each coordinate. A coordinate with a positive
 // `period` counts modulo that period; 0: not periodic.
-std::vector<uint32_t> weldVertices(std::span<const glm::dvec3> positions, const glm::dvec3& period, double tolerance);
+std::vector<uint32_t> weldVertices(std::span<const glm::dvec3> positions, const glm::dvec3& period,
+                                   double tolerance);
 
 }  // namespace loden::importer

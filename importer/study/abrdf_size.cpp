@@ -1,17 +1,16 @@
-// Bytes of every texel's ABRDF as a picture, BTF against Flat-BTF (FBTF table 3), for each way to fill what a view
-// does not see. The picture has a column per
-// light and a row per view, 8-bit sRGB, clamped at white; PNG at level 9, JPEG at quality 100 without chroma
-// subsampling.
+// Bytes of every texel's ABRDF as a picture, BTF against Flat-BTF (FBTF table 3), for each way to fill what a
+// view does not see. The picture has a column per light and a row per view, 8-bit sRGB, clamped at white; PNG
+// at level 9, JPEG at quality 100 without chroma subsampling.
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <mutex>
 #include <optional>
 
-#include "importer/btf/baked_files.h"
 #include "importer/base/parallel.h"
 #include "importer/base/picture.h"
 #include "importer/base/progress.h"
+#include "importer/btf/baked_files.h"
 #include "importer/study/figure.h"
 #include "importer/study/study.h"
 #include "importer/tile/tile_tracer.h"
@@ -38,7 +37,8 @@ struct Abrdfs {
 
 using ViewReader = std::function<Result<std::vector<glm::vec3>>(int view)>;
 
-Result<Abrdfs> readSlab(const ViewReader& read, int directions, size_t all_texels, size_t first, size_t texels, int threads) {
+Result<Abrdfs> readSlab(const ViewReader& read, int directions, size_t all_texels, size_t first,
+                        size_t texels, int threads) {
   Abrdfs slab{directions, directions, first, texels, {}};
   slab.rgb.resize(texels * directions * directions * 3);
   for (int view = 0; view < directions; ++view) {
@@ -58,22 +58,26 @@ struct Bytes {
 };
 
 // Mean over all texels of the two files' sizes.
-Result<Bytes> meanBytes(const ViewReader& read, int directions, int side, const StudyOptions& options, const std::string& label) {
+Result<Bytes> meanBytes(const ViewReader& read, int directions, int side, const StudyOptions& options,
+                        const std::string& label) {
   const size_t texels = size_t(side) * side, slab_texels = std::min<size_t>(texels, 16384);
   Progress progress(label, texels, options.quiet);
   std::vector<uint64_t> png(texels), jpeg(texels);
   std::optional<Issue> issue;
   std::mutex issue_mutex;
   for (size_t first = 0; first < texels; first += slab_texels) {
-    const auto slab = readSlab(read, directions, texels, first, std::min(slab_texels, texels - first), options.threads);
+    const auto slab =
+        readSlab(read, directions, texels, first, std::min(slab_texels, texels - first), options.threads);
     if (!slab) return slab.issue();
     parallelFor(slab->texels, options.threads, [&](size_t t) {
       const auto image = slab->image(first + t);
       for (const PictureCodec codec : {PictureCodec::kPng, PictureCodec::kJpeg}) {
         const auto bytes = encodeRgb8(image, slab->lights, slab->views, codec);
         const std::lock_guard lock(issue_mutex);
-        if (!bytes) issue = bytes.issue();
-        else (codec == PictureCodec::kPng ? png : jpeg)[first + t] = bytes->size();
+        if (!bytes)
+          issue = bytes.issue();
+        else
+          (codec == PictureCodec::kPng ? png : jpeg)[first + t] = bytes->size();
       }
       progress.advance();
     });
@@ -84,12 +88,14 @@ Result<Bytes> meanBytes(const ViewReader& read, int directions, int side, const 
   return Bytes{mean.png / double(texels), mean.jpeg / double(texels)};
 }
 
-// FBTF figures 13 and 14: ABRDFs of two texels, a row per view and a column per light. The first is where the BTF sees
-// from above what half of all points see of their views, the second what a quarter sees; of the Flat-BTF both the
-// parameter that shows the same point of the surface (`point`) and the texel of the same number (`texel`).
+// FBTF figures 13 and 14: ABRDFs of two texels, a row per view and a column per light. The first is where the
+// BTF sees from above what half of all points see of their views, the second what a quarter sees; of the
+// Flat-BTF both the parameter that shows the same point of the surface (`point`) and the texel of the same
+// number (`texel`).
 class AbrdfFigure {
  public:
-  AbrdfFigure(const BakedOutput& baked, const std::string& tile, const StudyOptions& options) : baked_(baked), tile_(tile), options_(options) {}
+  AbrdfFigure(const BakedOutput& baked, const std::string& tile, const StudyOptions& options)
+      : baked_(baked), tile_(tile), options_(options) {}
 
   // Chooses the texels.
   Status choose() {
@@ -105,26 +111,32 @@ class AbrdfFigure {
     }
     std::vector<Pair> all;
     for (int t = 0; t < m.size * m.size; ++t) {
-      const auto hit = tracer.intersectView((glm::dvec2(t % m.size, t / m.size) + .5) / double(m.size), {0, 0, 1});
+      const auto hit =
+          tracer.intersectView((glm::dvec2(t % m.size, t / m.size) + .5) / double(m.size), {0, 0, 1});
       if (!hit) continue;
       const glm::ivec2 p = glm::ivec2(glm::floor(hit->p * double(m.flat_size))) % m.flat_size;
       const glm::ivec2 cell = (p + m.flat_size) % m.flat_size;
       all.push_back({size_t(t), size_t(cell.y) * m.flat_size + cell.x});
     }
-    std::stable_sort(all.begin(), all.end(), [&](const Pair& a, const Pair& b) { return seen[a.point] < seen[b.point]; });
+    std::stable_sort(all.begin(), all.end(),
+                     [&](const Pair& a, const Pair& b) { return seen[a.point] < seen[b.point]; });
     if (all.empty()) return {};
     pairs_ = {all[all.size() / 2], all[all.size() / 4]};
     return {};
   }
 
   Status writeBtf() const {
-    return write("btf", "texel", [&](int view) { return baked_.btfView(view); }, &Pair::texel, baked_.manifest().size, false);
+    return write(
+        "btf", "texel", [&](int view) { return baked_.btfView(view); }, &Pair::texel, baked_.manifest().size,
+        false);
   }
   // What the views do not see is tinted blue.
   Status writeFlat(const BakedOutput& filled, const char* fill) const {
     const auto read = [&](int view) { return filled.flatView(view); };
     const int side = filled.manifest().flat_size;
-    if (const Status status = write(std::string("flat-") + fill, "point", read, &Pair::point, side, true); !status) return status;
+    if (const Status status = write(std::string("flat-") + fill, "point", read, &Pair::point, side, true);
+        !status)
+      return status;
     return write(std::string("flat-") + fill, "texel", read, &Pair::texel, side, true);
   }
 
@@ -133,10 +145,12 @@ class AbrdfFigure {
     size_t texel, point;  // of the BTF; of the Flat-BTF, of the same place of the surface
   };
 
-  Status write(const std::string& kind, const char* what, const ViewReader& read, size_t Pair::*which, int side, bool tint) const {
+  Status write(const std::string& kind, const char* what, const ViewReader& read, size_t Pair::*which,
+               int side, bool tint) const {
     constexpr int kMagnify = 2;
     const int directions = baked_.manifest().directions.size();
-    std::vector<std::vector<glm::vec3>> abrdfs(pairs_.size(), std::vector<glm::vec3>(size_t(directions) * directions));
+    std::vector<std::vector<glm::vec3>> abrdfs(pairs_.size(),
+                                               std::vector<glm::vec3>(size_t(directions) * directions));
     for (int view = 0; view < directions; ++view) {
       const auto values = read(view);
       if (!values) return values.issue();
@@ -147,12 +161,17 @@ class AbrdfFigure {
           const size_t texel = pairs_[k].*which;
           const glm::vec3 value = (*values)[size_t(light) * side * side + texel];
           // The first view, from above, is the top row.
-          abrdfs[k][size_t(directions - 1 - view) * directions + light] = (*visible)[texel] > 0 ? value : glm::mix(value, glm::vec3(0, 0, .6f), .4f);
+          abrdfs[k][size_t(directions - 1 - view) * directions + light] =
+              (*visible)[texel] > 0 ? value : glm::mix(value, glm::vec3(0, 0, .6f), .4f);
         }
     }
     for (size_t k = 0; k < pairs_.size(); ++k) {
-      const std::string name = "abrdf-size-" + tile_ + "-" + std::to_string(k + 1) + "-" + kind + "-" + what + ".png";
-      if (const Status status = writeFigure(texelPicture(abrdfs[k], directions, kMagnify), options_.pictures / name); !status) return status;
+      const std::string name =
+          "abrdf-size-" + tile_ + "-" + std::to_string(k + 1) + "-" + kind + "-" + what + ".png";
+      if (const Status status =
+              writeFigure(texelPicture(abrdfs[k], directions, kMagnify), options_.pictures / name);
+          !status)
+        return status;
     }
     return {};
   }
@@ -172,7 +191,8 @@ Result<StudyRows> studyAbrdfSize(const StudyOptions& options) {
     if (!baked) return baked.issue();
     const BakeManifest& manifest = baked->manifest();
     const int directions = manifest.directions.size();
-    const auto btf = meanBytes([&](int view) { return baked->btfView(view); }, directions, manifest.size, options, "abrdf-size " + tile + " btf");
+    const auto btf = meanBytes([&](int view) { return baked->btfView(view); }, directions, manifest.size,
+                               options, "abrdf-size " + tile + " btf");
     if (!btf) return btf.issue();
     AbrdfFigure figure(*baked, tile, options);
     if (!options.pictures.empty()) {
@@ -182,17 +202,23 @@ Result<StudyRows> studyAbrdfSize(const StudyOptions& options) {
     for (const FillMethod fill : {FillMethod::kPushPull, FillMethod::kHarmonic, FillMethod::kNearestView}) {
       StudyBake wanted;
       wanted.fill = fill;
-      if (fill != FillMethod::kPushPull) wanted.maps = {.btf = false, .flat = true, .vdim = false, .surface = false};
+      if (fill != FillMethod::kPushPull)
+        wanted.maps = {.btf = false, .flat = true, .vdim = false, .surface = false};
       const auto filled = studyBake(options, tile, wanted);
       if (!filled) return filled.issue();
       const std::string label = "abrdf-size " + tile + " flat " + fillName(fill);
-      const auto flat = meanBytes([&](int view) { return filled->flatView(view); }, directions, manifest.flat_size, options, label);
+      const auto flat = meanBytes([&](int view) { return filled->flatView(view); }, directions,
+                                  manifest.flat_size, options, label);
       if (!flat) return flat.issue();
       if (!options.pictures.empty())
         if (const Status status = figure.writeFlat(*filled, fillName(fill)); !status) return status.issue();
       const auto add = [&](const char* format, double btf_bytes, double flat_bytes) {
         StudyRow row;
-        row.set("tile", tile).set("size", manifest.size).set("format", format).set("fill", fillName(fill)).set("btf_bytes", btf_bytes);
+        row.set("tile", tile)
+            .set("size", manifest.size)
+            .set("format", format)
+            .set("fill", fillName(fill))
+            .set("btf_bytes", btf_bytes);
         rows.push_back(row.set("flat_bytes", flat_bytes).set("ratio", btf_bytes / flat_bytes));
       };
       add("png", btf->png, flat->png);

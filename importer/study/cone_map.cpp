@@ -33,7 +33,8 @@ double widestCone(const ConeMap& map, int i, int j, double z_max) {
 glm::dvec2 bilinear(const ConeMap& map, glm::dvec2 x) {
   const glm::dvec2 texel = x * double(map.side) - .5, base = glm::floor(texel), f = texel - base;
   const auto at = [&](int di, int dj) {
-    return map.texels[size_t(wrapIndex(int(base.y) + dj, map.side)) * size_t(map.side) + size_t(wrapIndex(int(base.x) + di, map.side))];
+    return map.texels[size_t(wrapIndex(int(base.y) + dj, map.side)) * size_t(map.side) +
+                      size_t(wrapIndex(int(base.x) + di, map.side))];
   };
   return glm::mix(glm::mix(at(0, 0), at(1, 0), f.x), glm::mix(at(0, 1), at(1, 1), f.x), f.y);
 }
@@ -57,14 +58,17 @@ ConeMap buildConeMap(const GeometryImage& geometry, int threads) {
 
 ConeHit coneLookup(const ConeMap& map, int taps, glm::dvec2 x, const glm::dvec3& wo) {
   const double sine = std::hypot(wo.x, wo.y);
-  const glm::dvec2 slope = glm::dvec2(wo) * std::min(1.0, std::sin(kThetaMax) / std::max(sine, 1e-6)) / std::max(wo.z, std::cos(kThetaMax));
+  const glm::dvec2 slope = glm::dvec2(wo) * std::min(1.0, std::sin(kThetaMax) / std::max(sine, 1e-6)) /
+                           std::max(wo.z, std::cos(kThetaMax));
   const double steepness = glm::length(slope), enough = .02 / map.side;
   struct Tap {
     double z, above;  // of the ray; over the surface there
   };
   std::optional<Tap> over, under, before;
   ConeHit hit;
-  const auto secant = [](const Tap& a, const Tap& b) { return a.above == b.above ? b.z : b.z - b.above * (b.z - a.z) / (b.above - a.above); };
+  const auto secant = [](const Tap& a, const Tap& b) {
+    return a.above == b.above ? b.z : b.z - b.above * (b.z - a.z) / (b.above - a.above);
+  };
   double z = 0;
   while (hit.fetches < taps) {
     const glm::dvec2 texel = bilinear(map, x + slope * z);
@@ -72,9 +76,12 @@ ConeHit coneLookup(const ConeMap& map, int taps, glm::dvec2 x, const glm::dvec3&
     ++hit.fetches;
     (tap.above > 0 ? over : under) = tap;
     const bool last = hit.fetches == taps || std::abs(tap.above) * std::max(1.0, steepness) < enough;
-    if (under && over) z = secant(*over, *under);
-    else if (last && before) z = std::min(0.0, secant(*before, tap));
-    else z -= tap.above * texel.y / (texel.y + steepness);
+    if (under && over)
+      z = secant(*over, *under);
+    else if (last && before)
+      z = std::min(0.0, secant(*before, tap));
+    else
+      z -= tap.above * texel.y / (texel.y + steepness);
     if (last) break;
     before = tap;
   }

@@ -1,4 +1,5 @@
-// The rival of the VDIM on height fields: a cone map (Dummer 2006, "Cone step mapping"), to measure the lookup against.
+// The rival of the VDIM on height fields: a cone map (Dummer 2006, "Cone step mapping"), to measure the
+// lookup against.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,8 +9,8 @@
 
 namespace loden::importer {
 
-// Per texel the surface's z and the width of the widest empty cone above it. A shader would read both by one fetch of a
-// filtered 3-byte texel (16 bits of z, 8 of the cone); here they are not even rounded.
+// Per texel the surface's z and the width of the widest empty cone above it. A shader would read both by one
+// fetch of a filtered 3-byte texel (16 bits of z, 8 of the cone); here they are not even rounded.
 struct ConeMap {
   int side = 0;
   std::vector<glm::dvec2> texels;  // z in tile periods, <= 0; the cone's radius over its height
@@ -25,8 +26,9 @@ struct ConeHit {
   int fetches = 0;
 };
 
-// The view ray through x: steps from cone to cone, then, once below the surface, by false position; the last two fetches
-// are joined by a secant. At most `taps` fetches, fewer where the ray is within .02 texels of the surface earlier.
+// The view ray through x: steps from cone to cone, then, once below the surface, by false position; the last
+// two fetches are joined by a secant. At most `taps` fetches, fewer where the ray is within .02 texels of the
+// surface earlier.
 ConeHit coneLookup(const ConeMap& map, int taps, glm::dvec2 x, const glm::dvec3& wo);
 
 }  // namespace loden::importer

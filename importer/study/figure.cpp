@@ -13,7 +13,8 @@ Picture texelPicture(std::span<const glm::vec3> texels, int side, int magnify) {
   Picture picture{pixels, pixels, std::vector<glm::vec4>(size_t(pixels) * size_t(pixels))};
   for (int y = 0; y < pixels; ++y)
     for (int x = 0; x < pixels; ++x)
-      picture.at(x, pixels - 1 - y) = glm::vec4(texels[size_t(y / magnify) * size_t(side) + size_t(x / magnify)], 1);
+      picture.at(x, pixels - 1 - y) =
+          glm::vec4(texels[size_t(y / magnify) * size_t(side) + size_t(x / magnify)], 1);
   return picture;
 }
 

@@ -53,7 +53,8 @@ Axes axesOf(const Plot& plot) {
 std::vector<double> xTicks(const Axes& axes) {
   std::vector<double> ticks;
   if (axes.x_log) {
-    for (double decade = std::pow(10, std::floor(std::log10(axes.x_low))); decade <= axes.x_high; decade *= 10)
+    for (double decade = std::pow(10, std::floor(std::log10(axes.x_low))); decade <= axes.x_high;
+         decade *= 10)
       for (const double factor : {1.0, 3.0})
         if (decade * factor >= axes.x_low && decade * factor <= axes.x_high) ticks.push_back(decade * factor);
     return ticks;
@@ -65,9 +66,12 @@ std::vector<double> xTicks(const Axes& axes) {
 
 std::string number(double value) {
   char text[32];
-  if (value >= 1e6) std::snprintf(text, sizeof text, "%gM", value / 1e6);
-  else if (value >= 1e4) std::snprintf(text, sizeof text, "%gk", value / 1e3);
-  else std::snprintf(text, sizeof text, "%.4g", value);
+  if (value >= 1e6)
+    std::snprintf(text, sizeof text, "%gM", value / 1e6);
+  else if (value >= 1e4)
+    std::snprintf(text, sizeof text, "%gk", value / 1e3);
+  else
+    std::snprintf(text, sizeof text, "%.4g", value);
   return text;
 }
 
@@ -80,7 +84,9 @@ std::string escaped(const std::string& text) {
 class Svg {
  public:
   Svg(double width, double height) {
-    add("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" font-size=\"11\">\n", width, height);
+    add("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" "
+        "font-size=\"11\">\n",
+        width, height);
     add("<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n");
   }
   template <class... Values>
@@ -99,24 +105,30 @@ class Svg {
   std::string text_;
 };
 
-void drawPanel(Svg& svg, const Plot& plot, const PlotPanel& panel, const Axes& axes, double left, bool first) {
-  svg.add("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"none\" stroke=\"#999\"/>\n", left, kTop, kPanel, kPanel);
+void drawPanel(Svg& svg, const Plot& plot, const PlotPanel& panel, const Axes& axes, double left,
+               bool first) {
+  svg.add("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"none\" stroke=\"#999\"/>\n",
+          left, kTop, kPanel, kPanel);
   svg.label(left + kPanel / 2, kTop - 6, "middle", panel.title);
   svg.label(left + kPanel / 2, kTop + kPanel + 34, "middle", plot.x_label);
-  for (const double tick : xTicks(axes)) svg.label(left + axes.x(tick), kTop + kPanel + 16, "middle", number(tick));
+  for (const double tick : xTicks(axes))
+    svg.label(left + axes.x(tick), kTop + kPanel + 16, "middle", number(tick));
   const double step = niceStep(axes.y_high);
   for (int i = 0; i * step <= axes.y_high; ++i) {
     const double y = kTop + axes.y(i * step);
-    svg.add("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"#e5e5e5\"/>\n", left, y, left + kPanel, y);
+    svg.add("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"#e5e5e5\"/>\n", left, y,
+            left + kPanel, y);
     if (first) svg.label(left - 6, y + 4, "end", number(i * step));
   }
   for (size_t s = 0; s < panel.series.size(); ++s) {
     const char* color = kColors[s % std::size(kColors)];
     svg.add("<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"1.6\" points=\"", color);
-    for (const auto& [x, y] : panel.series[s].points) svg.add("%.1f,%.1f ", left + axes.x(x), kTop + axes.y(y));
+    for (const auto& [x, y] : panel.series[s].points)
+      svg.add("%.1f,%.1f ", left + axes.x(x), kTop + axes.y(y));
     svg.add("\"/>\n");
     for (const auto& [x, y] : panel.series[s].points)
-      svg.add("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.6\" fill=\"%s\"/>\n", left + axes.x(x), kTop + axes.y(y), color);
+      svg.add("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.6\" fill=\"%s\"/>\n", left + axes.x(x), kTop + axes.y(y),
+              color);
   }
 }
 
@@ -125,7 +137,8 @@ void drawLegend(Svg& svg, const Plot& plot) {
   double x = kLeft;
   for (size_t s = 0; s < plot.panels.front().series.size(); ++s) {
     const std::string& name = plot.panels.front().series[s].name;
-    svg.add("<rect x=\"%.1f\" y=\"28\" width=\"12\" height=\"4\" fill=\"%s\"/>\n", x, kColors[s % std::size(kColors)]);
+    svg.add("<rect x=\"%.1f\" y=\"28\" width=\"12\" height=\"4\" fill=\"%s\"/>\n", x,
+            kColors[s % std::size(kColors)]);
     svg.label(x + 17, 34, "start", name);
     x += 40 + 6.2 * double(name.size());
   }
@@ -145,7 +158,8 @@ double numberOf(const StudyRow& row, std::string_view key) {
 
 template <class T>
 T& named(std::vector<T>& items, std::string T::*name, const std::string& wanted) {
-  const auto found = std::find_if(items.begin(), items.end(), [&](const T& item) { return item.*name == wanted; });
+  const auto found =
+      std::find_if(items.begin(), items.end(), [&](const T& item) { return item.*name == wanted; });
   if (found != items.end()) return *found;
   items.emplace_back();
   items.back().*name = wanted;

@@ -23,12 +23,12 @@ struct PlotPanel {
 
 struct Plot {
   std::string title, x_label, y_label;
-  bool x_log = false;  // else linear from 0; y is linear from 0
+  bool x_log = false;             // else linear from 0; y is linear from 0
   std::vector<PlotPanel> panels;  // side by side, on common axes
 };
 
-// One panel per tile: column `y` over column `x`. `series_of` names the series of a row; rows that it gives an empty
-// name are left out.
+// One panel per tile: column `y` over column `x`. `series_of` names the series of a row; rows that it gives
+// an empty name are left out.
 std::vector<PlotPanel> panelsOf(const StudyRows& rows, std::string_view x, std::string_view y,
                                 const std::function<std::string(const StudyRow&)>& series_of);
 

@@ -38,7 +38,8 @@ std::string studyTileName(const std::string& tile) {
 
 namespace {
 
-std::filesystem::path bakeFolder(const StudyOptions& options, const std::string& tile, const StudyBake& bake) {
+std::filesystem::path bakeFolder(const StudyOptions& options, const std::string& tile,
+                                 const StudyBake& bake) {
   std::string name = std::filesystem::path(tile).stem().string() + "-" + std::to_string(options.size);
   if (bake.flat_size != 0 && bake.flat_size != options.size) name += "-flat" + std::to_string(bake.flat_size);
   if (bake.supersample != StudyBake{}.supersample) name += "-s" + std::to_string(bake.supersample);
@@ -48,10 +49,12 @@ std::filesystem::path bakeFolder(const StudyOptions& options, const std::string&
 }
 
 bool serves(const BakeManifest& m, const StudyOptions& options, const StudyBake& bake, const Tile& tile) {
-  return m.revision == kBakeRevision && m.size == options.size && m.flat_size == (bake.flat_size ? bake.flat_size : options.size) &&
-         m.supersample == bake.supersample && m.fill == bake.fill && m.texels == bake.texels && m.has_btf >= bake.maps.btf &&
-         m.has_flat >= bake.maps.flat && m.has_vdim >= bake.maps.vdim && m.has_surface >= bake.maps.surface &&
-         m.directions.samples == bonn81Directions().samples && m.input_hash == tileHash(tile);
+  return m.revision == kBakeRevision && m.size == options.size &&
+         m.flat_size == (bake.flat_size ? bake.flat_size : options.size) &&
+         m.supersample == bake.supersample && m.fill == bake.fill && m.texels == bake.texels &&
+         m.has_btf >= bake.maps.btf && m.has_flat >= bake.maps.flat && m.has_vdim >= bake.maps.vdim &&
+         m.has_surface >= bake.maps.surface && m.directions.samples == bonn81Directions().samples &&
+         m.input_hash == tileHash(tile);
 }
 
 }  // namespace
@@ -119,7 +122,8 @@ std::string studyJson(const Study& study, const std::string& command, const Stud
       std::visit([&, &name = key](const auto& v) { object[name] = v; }, value);
     json["rows"].push_back(std::move(object));
   }
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+         "\n";  // paths need not be UTF-8
 }
 
 std::string studyCsv(const StudyRows& rows) {
@@ -128,7 +132,8 @@ std::string studyCsv(const StudyRows& rows) {
   const auto endCell = [&](size_t c) { csv += c + 1 < columns.size() ? "," : "\r\n"; };
   for (size_t c = 0; c < columns.size(); ++c) csv += csvQuoted(columns[c]), endCell(c);
   for (const StudyRow& row : rows)
-    for (size_t c = 0; c < columns.size(); ++c) csv += csvQuoted(cellText(row.find(columns[c]), "%.9g")), endCell(c);
+    for (size_t c = 0; c < columns.size(); ++c)
+      csv += csvQuoted(cellText(row.find(columns[c]), "%.9g")), endCell(c);
   return csv;
 }
 

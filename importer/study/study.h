@@ -37,11 +37,11 @@ using StudyRows = std::vector<StudyRow>;
 
 struct StudyOptions {
   std::vector<std::string> tiles{"button", "isba", "pulli", "sponge"};  // builtin names, or tile files
-  int size = 64;                            // reference texels per side
-  int every = 1;                            // of sampled views those at every / 2, every / 2 + every, ... only
+  int size = 64;                                                        // reference texels per side
+  int every = 1;  // of sampled views those at every / 2, every / 2 + every, ... only
   std::filesystem::path bakes = "out/bakes";  // baked outputs, <tile>-<size>; baked there if missing
-  std::filesystem::path pictures;           // PNG pictures go here; empty: none
-  int threads = 0;                          // 0: all
+  std::filesystem::path pictures;             // PNG pictures go here; empty: none
+  int threads = 0;                            // 0: all
   bool quiet = false;
 };
 
@@ -62,14 +62,15 @@ struct StudyBake {
   int supersample = 2;
   FillMethod fill = FillMethod::kPushPull;
   TexelMethod texels = TexelMethod::kMean;
-  BakeMaps maps;  // at least
+  BakeMaps maps;            // at least
   bool some_views = false;  // only those of StudyOptions::every; the others are not there to be read
 };
 
-// The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, and, where `bake`
-// says otherwise than by default, -flat<size>, -s<samples>, -<texels>, -<fill>. Baked first if it is not there, or of
-// another tile.
-Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile, const StudyBake& bake = {});
+// The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, and, where
+// `bake` says otherwise than by default, -flat<size>, -s<samples>, -<texels>, -<fill>. Baked first if it is
+// not there, or of another tile.
+Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile,
+                              const StudyBake& bake = {});
 // "button" -> "builtin:button"; a path stays a path.
 std::string studyTileName(const std::string& tile);
 

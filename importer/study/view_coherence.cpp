@@ -1,8 +1,8 @@
 // How much the light vector of a texel changes with the view (FBTF section 4.3, table 2, figure 11).
 //
-// L_k(texel) is the vector of Lab values over all lights under view k. Reported per texel: the root mean square
-// over views and lights of the Lab distance between L_k and its mean over views (the paper calls it variance, but
-// its size is that of a standard deviation); then mean and maximum over texels.
+// L_k(texel) is the vector of Lab values over all lights under view k. Reported per texel: the root mean
+// square over views and lights of the Lab distance between L_k and its mean over views (the paper calls it
+// variance, but its size is that of a standard deviation); then mean and maximum over texels.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -19,7 +19,12 @@ namespace {
 // Sums over views, per [light][texel]; `views[texel]` counts the views that took part.
 class CoherenceSums {
  public:
-  CoherenceSums(int lights, size_t texels) : lights_(lights), texels_(texels), mean_(lights * texels), spread_(lights * texels), views_(texels, 0) {}
+  CoherenceSums(int lights, size_t texels)
+      : lights_(lights),
+        texels_(texels),
+        mean_(lights * texels),
+        spread_(lights * texels),
+        views_(texels, 0) {}
 
   // One view; texels with use[texel] == 0 are left out. Welford's update, stable for many views.
   void add(const std::vector<glm::vec3>& values, const std::vector<uint8_t>& use, int threads) {
@@ -63,7 +68,8 @@ struct Kind {
   int side;
 };
 
-Result<StudyRow> measure(const BakedOutput& baked, const std::string& tile, const Kind& kind, const StudyOptions& options) {
+Result<StudyRow> measure(const BakedOutput& baked, const std::string& tile, const Kind& kind,
+                         const StudyOptions& options) {
   const int views = baked.manifest().directions.size();
   const size_t texels = size_t(kind.side) * kind.side;
   CoherenceSums sums(views, texels);
@@ -91,10 +97,16 @@ Result<StudyRow> measure(const BakedOutput& baked, const std::string& tile, cons
   if (!options.pictures.empty()) {
     constexpr double kLeast = 0.1, kMost = 100;  // Lab, as FBTF figure 11
     const auto path = options.pictures / ("view-coherence-" + tile + "-" + kind.name + ".png");
-    if (const Status status = writeFigure(logarithmicPicture(deviations, kind.side, kLeast, kMost), path); !status) return status.issue();
+    if (const Status status = writeFigure(logarithmicPicture(deviations, kind.side, kLeast, kMost), path);
+        !status)
+      return status.issue();
   }
   StudyRow row;
-  row.set("tile", tile).set("size", kind.side).set("kind", kind.name).set("mean", sum / std::max(1, counted)).set("max", largest);
+  row.set("tile", tile)
+      .set("size", kind.side)
+      .set("kind", kind.name)
+      .set("mean", sum / std::max(1, counted))
+      .set("max", largest);
   return row.set("texels", counted);
 }
 

@@ -1,14 +1,14 @@
-// Procedural analogues of FBTF figure 1. Each is a periodic grid over p, deformed: button and isba overhang and
-// are parameterized by surface area, pulli and sponge are height fields over p = xy.
+// Procedural analogues of FBTF figure 1. Each is a periodic grid over p, deformed: button and isba overhang
+// and are parameterized by surface area, pulli and sponge are height fields over p = xy.
 #include <algorithm>
 #include <array>
 #include <functional>
 
 #include "importer/base/periodic_noise.h"
-#include "importer/tile/tile.h"
 #include "importer/tile/polygon_mesh.h"
-#include "material/model/directions.h"
+#include "importer/tile/tile.h"
 #include "material/base/issues.h"
+#include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {
@@ -24,8 +24,10 @@ struct Surface {
 
 glm::dvec3 surfaceNormal(const Surface& surface, glm::dvec2 p) {
   constexpr double kStep = 5e-4;  // tile periods; far below the finest feature, far above rounding
-  const glm::dvec3 du = surface.position(p + glm::dvec2(kStep, 0)) - surface.position(p - glm::dvec2(kStep, 0));
-  const glm::dvec3 dv = surface.position(p + glm::dvec2(0, kStep)) - surface.position(p - glm::dvec2(0, kStep));
+  const glm::dvec3 du =
+      surface.position(p + glm::dvec2(kStep, 0)) - surface.position(p - glm::dvec2(kStep, 0));
+  const glm::dvec3 dv =
+      surface.position(p + glm::dvec2(0, kStep)) - surface.position(p - glm::dvec2(0, kStep));
   return glm::normalize(glm::cross(du, dv));
 }
 
@@ -55,7 +57,9 @@ Tile gridTile(const std::string& name, int resolution, const Surface& surface) {
   return tile;
 }
 
-double smooth(double low, double high, double x) { return glm::smoothstep(low, high, x); }
+double smooth(double low, double high, double x) {
+  return glm::smoothstep(low, high, x);
+}
 
 // --- button: mushroom knobs on a cloth ---------------------------------------------------------------------
 
@@ -79,20 +83,20 @@ glm::dvec2 MushroomProfile::spline(double u) {
   // Control points of a uniform cubic B-spline; the outermost and innermost are ghosts that make the ends
   // straight, so that the curve starts in the plane of the cloth and meets the axis at a right angle.
   static constexpr std::array<std::array<double, 2>, kSpans + 3> kControl{{{.230, -.19},
-                                                                          {.200, -.19},
-                                                                          {.170, -.19},
-                                                                          {.125, -.19},
-                                                                          {.085, -.187},
-                                                                          {.080, -.150},
-                                                                          {.084, -.112},
-                                                                          {.120, -.096},
-                                                                          {.165, -.092},
-                                                                          {.190, -.055},
-                                                                          {.160, -.016},
-                                                                          {.110, -.003},
-                                                                          {.055, .0},
-                                                                          {.0, .0},
-                                                                          {-.055, .0}}};
+                                                                           {.200, -.19},
+                                                                           {.170, -.19},
+                                                                           {.125, -.19},
+                                                                           {.085, -.187},
+                                                                           {.080, -.150},
+                                                                           {.084, -.112},
+                                                                           {.120, -.096},
+                                                                           {.165, -.092},
+                                                                           {.190, -.055},
+                                                                           {.160, -.016},
+                                                                           {.110, -.003},
+                                                                           {.055, .0},
+                                                                           {.0, .0},
+                                                                           {-.055, .0}}};
   const int span = std::clamp(static_cast<int>(u), 0, kSpans - 1);
   const double t = u - span, s = 1 - t;
   const double w[4] = {s * s * s, 3 * t * t * t - 6 * t * t + 4, 3 * s * s * s - 6 * s * s + 4, t * t * t};
@@ -105,7 +109,8 @@ MushroomProfile::MushroomProfile() {
   for (int k = 0; k <= kSamples; ++k) curve_.push_back(spline(kSpans * (1 - double(k) / kSamples)));
   std::vector<double> area(1, 0.0);  // of the surface within sample k, over 2 pi
   for (int k = 1; k <= kSamples; ++k)
-    area.push_back(area.back() + std::max(0.0, (curve_[k].x + curve_[k - 1].x) / 2) * glm::distance(curve_[k], curve_[k - 1]));
+    area.push_back(area.back() + std::max(0.0, (curve_[k].x + curve_[k - 1].x) / 2) *
+                                     glm::distance(curve_[k], curve_[k - 1]));
   for (const double share : area) disk_radius_.push_back(kDisk * std::sqrt(share / area.back()));
 }
 
@@ -128,12 +133,18 @@ Surface buttonSurface() {
     const glm::dvec2 offset = p - glm::dvec2(knob);
     const double r = glm::length(offset);
     const double height = 0.82 + 0.18 * latticeRandom(wrapIndex(int(knob.z), 2), int(knob.w) & 1, 7);
-    const double border = r * 0.25 / std::max({std::abs(offset.x), std::abs(offset.y), 1e-9});  // of the cell, along offset
+    const double border =
+        r * 0.25 / std::max({std::abs(offset.x), std::abs(offset.y), 1e-9});  // of the cell, along offset
     glm::dvec2 at(0, -0.19);
-    if (r < MushroomProfile::kDisk) at = profile->at(r);
-    else at.x = glm::mix(MushroomProfile::kFoot, border, (r - MushroomProfile::kDisk) / (border - MushroomProfile::kDisk));
-    glm::dvec3 point(glm::dvec2(knob) + (r > 1e-9 ? offset * (at.x / r) : glm::dvec2(0)), (at.y + 0.19) * height);
-    point.z += 0.0035 * std::sin(kTwoPi * 12 * point.x) * std::sin(kTwoPi * 12 * point.y);  // weave of the cloth
+    if (r < MushroomProfile::kDisk)
+      at = profile->at(r);
+    else
+      at.x = glm::mix(MushroomProfile::kFoot, border,
+                      (r - MushroomProfile::kDisk) / (border - MushroomProfile::kDisk));
+    glm::dvec3 point(glm::dvec2(knob) + (r > 1e-9 ? offset * (at.x / r) : glm::dvec2(0)),
+                     (at.y + 0.19) * height);
+    point.z +=
+        0.0035 * std::sin(kTwoPi * 12 * point.x) * std::sin(kTwoPi * 12 * point.y);  // weave of the cloth
     return point;
   };
   const auto brdf = [](glm::dvec2 p, const glm::dvec3& at) {
@@ -147,7 +158,8 @@ Surface buttonSurface() {
   return {position, brdf, false};
 }
 
-// --- isba: curled folds that lean over -----------------------------------------------------------------------
+// --- isba: curled folds that lean over
+// -----------------------------------------------------------------------
 
 // One period of the folds' cross-section by arc length. A bulging wave, then a shear by height: maps of the
 // plane onto itself, so the curve never meets itself.
@@ -170,7 +182,8 @@ glm::dvec2 FoldSection::curve(double u) {
 
 FoldSection::FoldSection() : length_(1, 0.0) {
   for (int k = 1; k <= kSamples; ++k)
-    length_.push_back(length_.back() + glm::distance(curve(double(k) / kSamples), curve(double(k - 1) / kSamples)));
+    length_.push_back(length_.back() +
+                      glm::distance(curve(double(k) / kSamples), curve(double(k - 1) / kSamples)));
   for (double& length : length_) length /= length_.back();
 }
 
@@ -190,14 +203,16 @@ Surface isbaSurface() {
     const double cord = 0.0035 * std::sin(kTwoPi * (18 * p.y + 6 * p.x));  // the yarn's twist
     const glm::dvec2 at = section->at(p.x) + cord * glm::dvec2(-tangent.y, tangent.x);
     glm::dvec3 point(at.x, p.y, at.y);
-    point.z *= 1 + 0.12 * std::sin(kTwoPi * (point.x + 2 * point.y) + 1) + 0.06 * std::sin(kTwoPi * 3 * point.y);
+    point.z *=
+        1 + 0.12 * std::sin(kTwoPi * (point.x + 2 * point.y) + 1) + 0.06 * std::sin(kTwoPi * 3 * point.y);
     point.x += 0.035 * std::sin(kTwoPi * point.y) + 0.010 * std::sin(kTwoPi * 3 * point.y + 1);
     return point;
   };
   const auto brdf = [](glm::dvec2 p, const glm::dvec3&) {
     LocalBrdf b;
     const double blotch = smooth(-0.5, 0.5, periodicFractal(p, {4, 6}, 3, 5));
-    const double thread = smooth(-0.2, 0.2, std::sin(kTwoPi * (18 * p.y + 6 * p.x)) + 0.6 * periodicNoise(p, {24, 36}, 9));
+    const double thread =
+        smooth(-0.2, 0.2, std::sin(kTwoPi * (18 * p.y + 6 * p.x)) + 0.6 * periodicNoise(p, {24, 36}, 9));
     const glm::dvec3 ground = glm::mix(glm::dvec3(0.045, 0.20, 0.19), glm::dvec3(0.10, 0.33, 0.16), blotch);
     b.diffuse = glm::vec3(glm::mix(ground, glm::dvec3(0.66, 0.52, 0.20), 0.75 * thread * blotch));
     b.specular = float(0.06 + 0.30 * blotch * (1 - 0.6 * thread));
@@ -207,7 +222,8 @@ Surface isbaSurface() {
   return {position, brdf, false};
 }
 
-// --- pulli: a knitted pullover -------------------------------------------------------------------------------
+// --- pulli: a knitted pullover
+// -------------------------------------------------------------------------------
 
 constexpr int kWales = 6, kCourses = 8;  // stitches per tile, across and along
 
@@ -229,7 +245,8 @@ Knit knitAt(glm::dvec2 p) {
         const glm::ivec2 stitch = centre + glm::ivec2(dx, dy);
         const int wx = wrapIndex(stitch.x, kWales), wy = wrapIndex(stitch.y, kCourses);
         const double slant = 0.52 + 0.10 * (latticeRandom(wx, wy, 31) - 0.5);
-        const glm::dvec2 d = q - glm::dvec2(stitch) - glm::dvec2(0.5 + leg * 0.235, 0.5 + 0.12 * (latticeRandom(wx, wy, 33) - 0.5));
+        const glm::dvec2 d = q - glm::dvec2(stitch) -
+                             glm::dvec2(0.5 + leg * 0.235, 0.5 + 0.12 * (latticeRandom(wx, wy, 33) - 0.5));
         const double c = std::cos(slant), s = leg * std::sin(slant);
         const double across = (c * d.x - s * d.y * 0.75) / 0.25, along = (s * d.x / 0.75 + c * d.y) / 0.78;
         const double bump = std::exp(-1.6 * (across * across + along * along * along * along));
@@ -252,7 +269,8 @@ Surface pulliSurface() {
     const double fleck = smooth(0.2, 0.7, periodicFractal(p, {18, 13}, 2, 41));
     const double dye = latticeRandom(knit.stitch.x, knit.stitch.y, 43);
     const double band = 0.5 + 0.5 * std::sin(kTwoPi * p.y);
-    const glm::dvec3 yarn = glm::mix(glm::dvec3(0.10, 0.16, 0.42), glm::dvec3(0.42, 0.14, 0.30), smooth(0.25, 0.75, band));
+    const glm::dvec3 yarn =
+        glm::mix(glm::dvec3(0.10, 0.16, 0.42), glm::dvec3(0.42, 0.14, 0.30), smooth(0.25, 0.75, band));
     b.diffuse = glm::vec3(glm::mix(yarn * (0.75 + 0.5 * dye), glm::dvec3(0.72, 0.66, 0.55), 0.7 * fleck));
     b.specular = float(0.03 + 0.10 * dye * (1 - fleck));
     b.exponent = float(6 + 10 * dye);
@@ -261,7 +279,8 @@ Surface pulliSurface() {
   return {position, brdf, true};
 }
 
-// --- sponge: pores in a rough slab ---------------------------------------------------------------------------
+// --- sponge: pores in a rough slab
+// ---------------------------------------------------------------------------
 
 Surface spongeSurface() {
   struct Pore {
@@ -288,7 +307,9 @@ Surface spongeSurface() {
   const auto brdf = [](glm::dvec2 p, const glm::dvec3& at) {
     LocalBrdf b;
     const double shade = 1 + 0.05 * periodicFractal(p, {10, 10}, 3, 71);
-    b.diffuse = glm::vec3(glm::mix(glm::dvec3(0.62, 0.34, 0.08), glm::dvec3(0.86, 0.60, 0.20), smooth(-0.15, 0.0, at.z)) * shade);
+    b.diffuse = glm::vec3(
+        glm::mix(glm::dvec3(0.62, 0.34, 0.08), glm::dvec3(0.86, 0.60, 0.20), smooth(-0.15, 0.0, at.z)) *
+        shade);
     b.specular = 0.06f;
     b.exponent = 14;
     return b;
@@ -307,11 +328,17 @@ Result<Tile> builtinTile(const std::string& name, int resolution) {
   LODEN_CHECK_LT(2, resolution);
   if (name == "weave") return finishTile(weaveTile(resolution), "builtin:weave");
   Surface surface;
-  if (name == "button") surface = buttonSurface();
-  else if (name == "isba") surface = isbaSurface();
-  else if (name == "pulli") surface = pulliSurface();
-  else if (name == "sponge") surface = spongeSurface();
-  else return Issue{issue_id::kOption, Severity::kError, "builtin:" + name, "no such tile; there are button, isba, pulli, sponge, weave"};
+  if (name == "button")
+    surface = buttonSurface();
+  else if (name == "isba")
+    surface = isbaSurface();
+  else if (name == "pulli")
+    surface = pulliSurface();
+  else if (name == "sponge")
+    surface = spongeSurface();
+  else
+    return Issue{issue_id::kOption, Severity::kError, "builtin:" + name,
+                 "no such tile; there are button, isba, pulli, sponge, weave"};
   return finishTile(gridTile(name, resolution, surface), "builtin:" + name);
 }
 

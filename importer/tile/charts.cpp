@@ -7,18 +7,19 @@
 #include <map>
 #include <numeric>
 
-#include "importer/tile/param_map.h"
 #include "importer/base/periodic_noise.h"
 #include "importer/mesh/weld.h"
+#include "importer/tile/param_map.h"
 #include "material/base/check.h"
 #include "material/model/directions.h"
 
 namespace loden::importer {
 namespace {
 
-constexpr double kSameParam = 1e-6;  // tile periods
+constexpr double kSameParam = 1e-6;                                       // tile periods
 constexpr double kGutters[] = {1.0 / 16, 1.0 / 32, 1.0 / 64, 1.0 / 128};  // tile periods, tried in this order
-constexpr double kLeastUse = 0.3;  // share of the domain that charts should cover before a smaller gutter is tried
+constexpr double kLeastUse =
+    0.3;  // share of the domain that charts should cover before a smaller gutter is tried
 
 // A chart's vertices and, after turning, its rectangle.
 struct Box {
@@ -72,7 +73,8 @@ void turnUpright(Tile& tile, Box& box) {
 }
 
 // Rows of rectangles, the highest first; lower left corners, or nothing if they do not fit.
-std::vector<glm::dvec2> shelves(std::span<const Box> boxes, std::span<const size_t> order, double scale, double gutter) {
+std::vector<glm::dvec2> shelves(std::span<const Box> boxes, std::span<const size_t> order, double scale,
+                                double gutter) {
   std::vector<glm::dvec2> corners(boxes.size());
   glm::dvec2 at(0);
   double row = 0;
@@ -109,7 +111,8 @@ std::vector<uint16_t> componentsOf(const Tile& tile, std::vector<uint32_t> paren
     }
   std::map<uint32_t, uint16_t> number;
   std::vector<uint16_t> charts;
-  for (const glm::uvec3& t : tile.triangles) charts.push_back(number.try_emplace(root(t.x), uint16_t(number.size() + 1)).first->second);
+  for (const glm::uvec3& t : tile.triangles)
+    charts.push_back(number.try_emplace(root(t.x), uint16_t(number.size() + 1)).first->second);
   return charts;
 }
 
@@ -134,10 +137,12 @@ bool isAtlas(std::span<const glm::dvec2> params, std::span<const glm::uvec3> tri
     if (!(p.x >= 0 && p.y >= 0 && p.x <= 1 && p.y <= 1)) return false;
   std::vector<bool> covered(size_t(kCells) * kCells, false);
   for (const glm::uvec3& t : triangles) {
-    const glm::dvec2 a = params[t.x] * double(kCells), e1 = params[t.y] * double(kCells) - a, e2 = params[t.z] * double(kCells) - a;
+    const glm::dvec2 a = params[t.x] * double(kCells), e1 = params[t.y] * double(kCells) - a,
+                     e2 = params[t.z] * double(kCells) - a;
     const double area = e1.x * e2.y - e1.y * e2.x;
     if (!(area > 0)) return false;
-    const glm::ivec2 first(glm::floor(a + glm::min(glm::dvec2(0), glm::min(e1, e2)))), last(glm::ceil(a + glm::max(glm::dvec2(0), glm::max(e1, e2))));
+    const glm::ivec2 first(glm::floor(a + glm::min(glm::dvec2(0), glm::min(e1, e2)))),
+        last(glm::ceil(a + glm::max(glm::dvec2(0), glm::max(e1, e2))));
     for (int j = std::max(first.y, 0); j < std::min(last.y, kCells); ++j)
       for (int i = std::max(first.x, 0); i < std::min(last.x, kCells); ++i) {
         const glm::dvec2 d = glm::dvec2(i, j) + 0.5 - a;
@@ -156,7 +161,8 @@ double packCharts(Tile& tile) {
   for (Box& box : boxes) turnUpright(tile, box), area += box.size.x * box.size.y;
   std::vector<size_t> order(boxes.size());
   for (size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return boxes[a].size.y > boxes[b].size.y; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return boxes[a].size.y > boxes[b].size.y; });
   double gutter = 0, scale = 0;
   for (const double tried : kGutters) {
     gutter = tried, scale = largestScale(boxes, order, gutter);
@@ -172,8 +178,8 @@ double packCharts(Tile& tile) {
 
 namespace {
 
-// Free cells between the two nearest charts, as a square sees it: the larger distance of x and y. Charts grow ring
-// by ring until two meet. All of them if there is one chart.
+// Free cells between the two nearest charts, as a square sees it: the larger distance of x and y. Charts grow
+// ring by ring until two meet. All of them if there is one chart.
 int freeBetweenCharts(int side, std::vector<uint16_t> labels) {
   for (int rings = 0; 2 * rings < side; ++rings) {
     const std::vector<uint16_t> before = labels;
@@ -183,7 +189,8 @@ int freeBetweenCharts(int side, std::vector<uint16_t> labels) {
         uint16_t& mine = labels[size_t(j) * size_t(side) + size_t(i)];
         const bool taken = mine != 0;
         for (int k = 0; k < 9; ++k) {
-          const uint16_t theirs = before[size_t(wrapIndex(j + k / 3 - 1, side)) * size_t(side) + size_t(wrapIndex(i + k % 3 - 1, side))];
+          const uint16_t theirs = before[size_t(wrapIndex(j + k / 3 - 1, side)) * size_t(side) +
+                                         size_t(wrapIndex(i + k % 3 - 1, side))];
           if (theirs == 0 || theirs == mine) continue;
           if (taken) return 2 * rings;
           in_one_cell = in_one_cell || mine != 0;
@@ -205,10 +212,13 @@ double gutterOf(const Tile& tile) {
   for (size_t t = 0; t < labels.size(); ++t)
     if (cells[t].covered()) labels[t] = tile.charts[cells[t].triangle];
   int least = freeBetweenCharts(kCells, labels);
-  // Runs of free cells along rows and columns, between any two covered ones: of a chart from its repetition too.
+  // Runs of free cells along rows and columns, between any two covered ones: of a chart from its repetition
+  // too.
   for (int axis = 0; axis < 2; ++axis)
     for (int line = 0; line < kCells; ++line) {
-      const auto at = [&](int k) { return labels[size_t(axis == 0 ? line * kCells + k % kCells : k % kCells * kCells + line)]; };
+      const auto at = [&](int k) {
+        return labels[size_t(axis == 0 ? line * kCells + k % kCells : k % kCells * kCells + line)];
+      };
       int start = 0;
       while (start < kCells && at(start) == 0) ++start;
       if (start == kCells) continue;
@@ -216,7 +226,8 @@ double gutterOf(const Tile& tile) {
       for (int k = start + 1; k <= start + kCells; ++k) {
         if (at(k) == 0) continue;
         // Bays of one chart's outline are no gutters.
-        if (at(k) != at(last) || (k >= kCells && last < kCells && k - last > 1)) least = std::min(least, k - last - 1);
+        if (at(k) != at(last) || (k >= kCells && last < kCells && k - last > 1))
+          least = std::min(least, k - last - 1);
         last = k;
       }
     }
@@ -243,7 +254,8 @@ std::vector<uint16_t> chartOwners(int side, std::span<const uint16_t> labels) {
         if (mine.squared == 0) continue;
         for (int k = 0; k < 9; ++k) {
           const glm::ivec2 step(k % 3 - 1, k / 3 - 1);
-          const Nearest& theirs = before[size_t(wrapIndex(j + step.y, side)) * size_t(side) + size_t(wrapIndex(i + step.x, side))];
+          const Nearest& theirs = before[size_t(wrapIndex(j + step.y, side)) * size_t(side) +
+                                         size_t(wrapIndex(i + step.x, side))];
           if (theirs.label == 0) continue;
           const glm::ivec2 towards = theirs.towards + step;
           const int squared = towards.x * towards.x + towards.y * towards.y;
@@ -263,11 +275,15 @@ std::vector<uint16_t> chartOwners(int side, const GeometryImage& geometry) {
   std::vector<uint16_t> labels;
   for (size_t t = 0; t < size_t(fine) * size_t(fine); ++t) labels.push_back(codes[4 * t + 3]);
   const uint16_t highest = labels.empty() ? uint16_t(0) : *std::max_element(labels.begin(), labels.end());
-  if (std::all_of(labels.begin(), labels.end(), [&](uint16_t label) { return label == 0 || label == highest; })) return {};
+  if (std::all_of(labels.begin(), labels.end(),
+                  [&](uint16_t label) { return label == 0 || label == highest; }))
+    return {};
   const auto owners = chartOwners(fine, labels);
   std::vector<uint16_t> result;
   for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i) result.push_back(owners[size_t((2 * j + 1) * fine / (2 * side)) * size_t(fine) + size_t((2 * i + 1) * fine / (2 * side))]);
+    for (int i = 0; i < side; ++i)
+      result.push_back(owners[size_t((2 * j + 1) * fine / (2 * side)) * size_t(fine) +
+                              size_t((2 * i + 1) * fine / (2 * side))]);
   return result;
 }
 
@@ -277,17 +293,20 @@ std::vector<uint16_t> halvedOwners(int side, std::span<const uint16_t> owners) {
   for (int j = 0; j < half; ++j)
     for (int i = 0; i < half; ++i) {
       std::array<uint16_t, 4> four;
-      for (int k = 0; k < 4; ++k) four[size_t(k)] = owners[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
+      for (int k = 0; k < 4; ++k)
+        four[size_t(k)] = owners[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
       std::sort(four.begin(), four.end());
       uint16_t best = four[0];
       for (const uint16_t label : four)
-        if (std::count(four.begin(), four.end(), label) > std::count(four.begin(), four.end(), best)) best = label;
+        if (std::count(four.begin(), four.end(), label) > std::count(four.begin(), four.end(), best))
+          best = label;
       coarse.push_back(best);
     }
   return coarse;
 }
 
-unsigned childrenOf(int side, std::span<const uint16_t> owners, std::span<const uint16_t> halved, int i, int j) {
+unsigned childrenOf(int side, std::span<const uint16_t> owners, std::span<const uint16_t> halved, int i,
+                    int j) {
   if (owners.empty()) return 15;
   unsigned children = 0;
   for (int k = 0; k < 4; ++k) {

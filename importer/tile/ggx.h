@@ -1,4 +1,5 @@
-// The GGX microfacet lobe of metallic-roughness materials, and the diffuse light that it leaves over; not installed.
+// The GGX microfacet lobe of metallic-roughness materials, and the diffuse light that it leaves over; not
+// installed.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,8 @@ template <class T>
 T ggxLobe(T alpha, T cos_light, T cos_view, T cos_half) {
   const T a2 = alpha * alpha;
   const T d = cos_half * cos_half * (a2 - 1) + 1;
-  const T masking = cos_light * std::sqrt(cos_view * cos_view * (1 - a2) + a2) + cos_view * std::sqrt(cos_light * cos_light * (1 - a2) + a2);
+  const T masking = cos_light * std::sqrt(cos_view * cos_view * (1 - a2) + a2) +
+                    cos_view * std::sqrt(cos_light * cos_light * (1 - a2) + a2);
   return a2 / (d * d) * T(0.5) / masking;
 }
 
@@ -27,9 +29,9 @@ T schlickWeight(T cosine) {
   return x2 * x2 * x;
 }
 
-// How much of the diffuse term the lobe leaves: (1 - E(light)) (1 - E(view)) / (1 - mean E), E being the share of
-// light that the lobe reflects (Kelemen and Szirmay-Kalos 2001). Reciprocal, and lobe and diffuse together never
-// reflect more than all; glTF's own (1 - F) does so at grazing angles.
+// How much of the diffuse term the lobe leaves: (1 - E(light)) (1 - E(view)) / (1 - mean E), E being the
+// share of light that the lobe reflects (Kelemen and Szirmay-Kalos 2001). Reciprocal, and lobe and diffuse
+// together never reflect more than all; glTF's own (1 - F) does so at grazing angles.
 class DiffuseCoupling {
  public:
   // f0: the largest of the three.

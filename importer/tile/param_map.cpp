@@ -31,12 +31,14 @@ struct Flat {
   double area = 0;
 };
 
-void rasterize(const Flat& flat, uint32_t triangle, int side, glm::dvec2 position, std::vector<ParamSample>& samples) {
+void rasterize(const Flat& flat, uint32_t triangle, int side, glm::dvec2 position,
+               std::vector<ParamSample>& samples) {
   if (flat.area == 0) return;
   const auto& corner = flat.corner;
   const glm::dvec2 low = glm::min(corner[0], glm::min(corner[1], corner[2]));
   const glm::dvec2 high = glm::max(corner[0], glm::max(corner[1], corner[2]));
-  const glm::ivec2 first(glm::ceil(low * double(side) - position - 1e-6)), last(glm::floor(high * double(side) - position + 1e-6));
+  const glm::ivec2 first(glm::ceil(low * double(side) - position - 1e-6)),
+      last(glm::floor(high * double(side) - position + 1e-6));
   for (int j = first.y; j <= last.y; ++j)
     for (int i = first.x; i <= last.x; ++i) {
       ParamSample& sample = samples[size_t(wrapIndex(j, side)) * size_t(side) + size_t(wrapIndex(i, side))];
@@ -66,17 +68,19 @@ void clip(double from, double along, double low, double high, glm::dvec2& range)
 // Cells and the points found for them so far.
 struct Cover {
   int side;
-  glm::dvec2 position;                // of a cell's sample in it
+  glm::dvec2 position;  // of a cell's sample in it
   std::vector<ParamSample> samples;
-  std::vector<double> distance;       // of the point from the sample, cells
+  std::vector<double> distance;  // of the point from the sample, cells
 };
 
-// All cells that an edge passes through. A triangle that overlaps a cell and does not hold its sample has an edge
-// there, and its nearest point in the cell is on one: so this is the whole test of a triangle against a square, and
-// costs no more than the cells along its edges.
+// All cells that an edge passes through. A triangle that overlaps a cell and does not hold its sample has an
+// edge there, and its nearest point in the cell is on one: so this is the whole test of a triangle against a
+// square, and costs no more than the cells along its edges.
 void coverEdge(const Edge& edge, const glm::dvec2& a, const glm::dvec2& along, Cover& cover) {
   constexpr double kGraze = 1e-9;  // cells
-  const auto span = [](double u, double v) { return glm::ivec2(int(std::floor(std::min(u, v))), int(std::floor(std::max(u, v)))); };
+  const auto span = [](double u, double v) {
+    return glm::ivec2(int(std::floor(std::min(u, v))), int(std::floor(std::max(u, v))));
+  };
   const glm::ivec2 rows = span(a.y, a.y + along.y);
   for (int j = rows.x; j <= rows.y; ++j) {
     glm::dvec2 in_row(0, 1);
@@ -90,7 +94,8 @@ void coverEdge(const Edge& edge, const glm::dvec2& a, const glm::dvec2& along, C
       const glm::dvec2 from_a = glm::dvec2(i, j) + cover.position - a;
       const double t = std::clamp(glm::dot(from_a, along) / glm::dot(along, along), in_cell.x, in_cell.y);
       const double distance = glm::distance(from_a, t * along);
-      const size_t cell = size_t(wrapIndex(j, cover.side)) * size_t(cover.side) + size_t(wrapIndex(i, cover.side));
+      const size_t cell =
+          size_t(wrapIndex(j, cover.side)) * size_t(cover.side) + size_t(wrapIndex(i, cover.side));
       if (distance >= cover.distance[cell]) continue;
       glm::dvec3 weights(0);
       weights[edge.corner] = 1 - t, weights[(edge.corner + 1) % 3] = t;
@@ -108,10 +113,12 @@ std::vector<Edge> borderEdges(const Tile& tile) {
     if (Flat(tile, t).area == 0) continue;
     for (int k = 0; k < 3; ++k) {
       const uint32_t a = tile.triangles[t][k], b = tile.triangles[t][(k + 1) % 3];
-      const glm::dvec2 across = glm::round(tile.params[b] - tile.params[same[b]] - tile.params[a] + tile.params[same[a]]);
+      const glm::dvec2 across =
+          glm::round(tile.params[b] - tile.params[same[b]] - tile.params[a] + tile.params[same[a]]);
       const long x = long(across.x), y = long(across.y);
-      const auto key = same[a] < same[b] ? std::array<long, 5>{long(same[a]), long(same[b]), x, y, tile.charts[t]}
-                                         : std::array<long, 5>{long(same[b]), long(same[a]), -x, -y, tile.charts[t]};
+      const auto key = same[a] < same[b]
+                           ? std::array<long, 5>{long(same[a]), long(same[b]), x, y, tile.charts[t]}
+                           : std::array<long, 5>{long(same[b]), long(same[a]), -x, -y, tile.charts[t]};
       ++uses.try_emplace(key, 0, Edge{t, k}).first->second.first;
     }
   }
@@ -121,14 +128,17 @@ std::vector<Edge> borderEdges(const Tile& tile) {
   return edges;
 }
 
-void extendEdge(const Tile& tile, const Edge& edge, int side, double radius, std::vector<ParamExtension>& cells) {
+void extendEdge(const Tile& tile, const Edge& edge, int side, double radius,
+                std::vector<ParamExtension>& cells) {
   const Flat flat(tile, edge.triangle);
   const glm::dvec2 a = flat.corner[edge.corner], along = flat.along(edge.corner);
-  const glm::dvec2 low = glm::min(a, a + along) * double(side) - radius, high = glm::max(a, a + along) * double(side) + radius;
+  const glm::dvec2 low = glm::min(a, a + along) * double(side) - radius,
+                   high = glm::max(a, a + along) * double(side) + radius;
   for (int j = int(std::floor(low.y)); j <= int(std::ceil(high.y)); ++j)
     for (int i = int(std::floor(low.x)); i <= int(std::ceil(high.x)); ++i) {
       const glm::dvec2 p = (glm::dvec2(i, j) + 0.5) / double(side);
-      const glm::dvec2 nearest = a + along * std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0, 1.0);
+      const glm::dvec2 nearest =
+          a + along * std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0, 1.0);
       const double distance = glm::distance(p, nearest) * side;
       ParamExtension& cell = cells[size_t(wrapIndex(j, side)) * size_t(side) + size_t(wrapIndex(i, side))];
       if (distance > radius || distance >= cell.distance) continue;
@@ -156,7 +166,8 @@ std::vector<ParamSample> coverParams(const Tile& tile, int side, glm::dvec2 posi
   for (uint32_t t = 0; t < tile.triangles.size(); ++t) {
     const Flat flat(tile, t);
     if (flat.area == 0) continue;
-    for (int k = 0; k < 3; ++k) coverEdge({t, k}, flat.corner[k] * double(side), flat.along(k) * double(side), cover);
+    for (int k = 0; k < 3; ++k)
+      coverEdge({t, k}, flat.corner[k] * double(side), flat.along(k) * double(side), cover);
   }
   return std::move(cover.samples);
 }

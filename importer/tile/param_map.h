@@ -23,23 +23,23 @@ struct ParamSample {
 // triangles overlap the first counts.
 std::vector<ParamSample> locateParams(const Tile& tile, int side, glm::dvec2 position);
 
-// The same for whole cells: covered is each that has area in common with a triangle (to 1e-9 of a cell's side; those
-// that only touch it do not count). A cell whose sample lies in no triangle has the point of the surface inside the
-// cell that is nearest to the sample, of equals the first triangle's.
+// The same for whole cells: covered is each that has area in common with a triangle (to 1e-9 of a cell's
+// side; those that only touch it do not count). A cell whose sample lies in no triangle has the point of the
+// surface inside the cell that is nearest to the sample, of equals the first triangle's.
 std::vector<ParamSample> coverParams(const Tile& tile, int side, glm::dvec2 position);
 
-// The nearest border of a chart, for a cell outside: where the surface would go on if the triangle at the border
-// did.
+// The nearest border of a chart, for a cell outside: where the surface would go on if the triangle at the
+// border did.
 struct ParamExtension {
   uint32_t triangle = ParamSample::kNone;
-  glm::dvec2 b{0};     // weights beyond the triangle
-  glm::dvec2 edge{0};  // weights of the nearest point, on the border
+  glm::dvec2 b{0};          // weights beyond the triangle
+  glm::dvec2 edge{0};       // weights of the nearest point, on the border
   double distance = 1e300;  // of the nearest point, cells
   bool exists() const { return triangle != ParamSample::kNone; }
 };
 
-// One per cell centre of a side x side grid over p; those exist that are within `radius` cells of a border. Borders
-// are edges of one triangle only; a chart that meets itself one period on has none there.
+// One per cell centre of a side x side grid over p; those exist that are within `radius` cells of a border.
+// Borders are edges of one triangle only; a chart that meets itself one period on has none there.
 std::vector<ParamExtension> extendParams(const Tile& tile, int side, double radius);
 
 }  // namespace loden::importer

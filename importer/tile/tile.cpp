@@ -5,22 +5,27 @@
 #include <cmath>
 #include <set>
 
-#include "importer/tile/polygon_mesh.h"
 #include "importer/mesh/weld.h"
+#include "importer/tile/polygon_mesh.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {
 
-bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool finite(const glm::dvec2& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+bool finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool finite(const glm::dvec2& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y);
+}
 
 bool finiteVertex(const Tile& tile, size_t v) {
   const LocalBrdf& brdf = tile.brdfs[v];
   return finite(tile.positions[v]) && finite(tile.normals[v]) && finite(tile.params[v]) &&
          finite(glm::dvec3(brdf.diffuse)) && std::isfinite(brdf.specular) && std::isfinite(brdf.exponent) &&
          finite(glm::dvec3(brdf.f0)) && std::isfinite(brdf.alpha) &&
-         (tile.texture_points.empty() || (finite(tile.texture_points[v].base_color) && finite(tile.texture_points[v].metallic_roughness)));
+         (tile.texture_points.empty() ||
+          (finite(tile.texture_points[v].base_color) && finite(tile.texture_points[v].metallic_roughness)));
 }
 
 Status checkFinite(const Tile& tile, const std::string& where) {
@@ -70,7 +75,8 @@ Result<Tile> finishTile(Tile tile, const std::string& where) {
   if (const Status status = checkIndices(tile, where); !status) return status.issue();
   dropEmptyTriangles(tile);
   if (tile.triangles.empty())
-    return Issue{issue_id::kTileGeometry, Severity::kError, where, "all triangles are degenerate: their corners lie on lines"};
+    return Issue{issue_id::kTileGeometry, Severity::kError, where,
+                 "all triangles are degenerate: their corners lie on lines"};
   double top = tile.positions[tile.triangles[0].x].z;
   for (const glm::uvec3& t : tile.triangles)
     for (int k = 0; k < 3; ++k) top = std::max(top, tile.positions[t[k]].z);

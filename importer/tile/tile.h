@@ -21,8 +21,8 @@ struct LocalBrdf {
   glm::vec3 diffuse{0.5f};  // linear RGB albedo
   float specular = 0;       // unitless, already times the lobe's normalisation
   float exponent = 32;
-  glm::vec3 f0{0};          // reflectance of the GGX lobe seen along the normal, linear RGB
-  float alpha = 0;          // its roughness, squared perceptual roughness of glTF; 0: no such lobe
+  glm::vec3 f0{0};  // reflectance of the GGX lobe seen along the normal, linear RGB
+  float alpha = 0;  // its roughness, squared perceptual roughness of glTF; 0: no such lobe
 };
 
 // Units: tile periods. The mesh covers one period: vertex positions may leave [0,1)^2, and the whole plane is
@@ -31,27 +31,28 @@ struct LocalBrdf {
 struct Tile {
   std::string name;
   std::vector<glm::dvec3> positions;
-  std::vector<glm::dvec3> normals;       // unit shading normals, per vertex
-  std::vector<glm::dvec2> params;        // per vertex
-  std::vector<LocalBrdf> brdfs;          // per vertex, interpolated linearly
+  std::vector<glm::dvec3> normals;  // unit shading normals, per vertex
+  std::vector<glm::dvec2> params;   // per vertex
+  std::vector<LocalBrdf> brdfs;     // per vertex, interpolated linearly
   // Textured surfaces: what their pictures say at a point stands in for its interpolated brdf.
   std::vector<TileMaterial> materials;
   std::vector<TexturePoint> texture_points;  // per vertex; empty if nothing is textured
   std::vector<glm::uvec3> triangles;
-  std::vector<uint16_t> charts;          // per triangle, 1-based; one chart if the surface is connected
+  std::vector<uint16_t> charts;            // per triangle, 1-based; one chart if the surface is connected
   bool identity_parameterization = false;  // P.xy == p everywhere
-  std::vector<Issue> warnings;           // what of the file a bake does not show, or was repaired
+  std::vector<Issue> warnings;             // what of the file a bake does not show, or was repaired
 };
 
 struct TileOptions {
   int subdivide = 0;  // OpenSubdiv levels, for a cage
-  // Set: vertices of a file with values that are not finite are repaired from their neighbours and noted here; else an error.
+  // Set: vertices of a file with values that are not finite are repaired from their neighbours and noted
+  // here; else an error.
   std::shared_ptr<RepairLog> repairs{};
 };
 
-// TILE of the command line: "builtin:button|isba|pulli|sponge|weave" or a .gltf/.glb/.obj file of one period whose
-// TEXCOORD_0 is the parameterization; a connected tile without gets one (importer/mesh/parameterize.h). The tile comes
-// back scaled to period 1 with its top at z = 0.
+// TILE of the command line: "builtin:button|isba|pulli|sponge|weave" or a .gltf/.glb/.obj file of one period
+// whose TEXCOORD_0 is the parameterization; a connected tile without gets one (importer/mesh/parameterize.h).
+// The tile comes back scaled to period 1 with its top at z = 0.
 Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& options = {});
 
 // Procedural analogues of FBTF figure 1, and a weave of separate yarns; `resolution` vertices per side of the

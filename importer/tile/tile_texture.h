@@ -15,7 +15,7 @@ struct TileTexture {
   int width = 0, height = 0;      // texels, at least 1
   std::vector<glm::vec3> texels;  // row-major, row 0 at v = 0; linear values, 0 to 1
   Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
-  bool nearest = false;           // magnified as steps; else bilinear
+  bool nearest = false;  // magnified as steps; else bilinear
 };
 
 // Metallic-roughness as glTF has it (section 5.22): a factor times its texture, or alone where that is null.
@@ -30,8 +30,8 @@ struct TileMaterial {
 // Where a vertex lies on its material's pictures; the three vertices of a triangle have one material.
 struct TexturePoint {
   static constexpr uint32_t kNone = 0xFFFFFFFFu;
-  uint32_t material = kNone;         // index into the tile's materials; kNone: not textured
-  glm::dvec2 base_color{0};          // texture coordinates, v down; transforms applied
+  uint32_t material = kNone;  // index into the tile's materials; kNone: not textured
+  glm::dvec2 base_color{0};   // texture coordinates, v down; transforms applied
   glm::dvec2 metallic_roughness{0};
   bool operator==(const TexturePoint&) const = default;
 };

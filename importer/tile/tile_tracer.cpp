@@ -18,20 +18,22 @@
 namespace loden::importer {
 namespace {
 
-constexpr double kLift = 1e-5;         // of ray origins off the surface, tile periods; 40 times the float rounding
-constexpr double kOverlap = 1e-5;      // of two consecutive segments of a long ray, tile periods
-constexpr double kStartHeight = 1e-3;  // of view rays above z = 0, tile periods
-constexpr double kSlack = 1e-4;        // of the slab, so that surfaces in its planes are met; tile periods
-constexpr size_t kStream = 64;         // rays that Embree is handed at once
-constexpr int kMaxSegments = 4096;     // of one ray; bounds nearly horizontal ones
+constexpr double kLift = 1e-5;  // of ray origins off the surface, tile periods; 40 times the float rounding
+constexpr double kOverlap = 1e-5;         // of two consecutive segments of a long ray, tile periods
+constexpr double kStartHeight = 1e-3;     // of view rays above z = 0, tile periods
+constexpr double kSlack = 1e-4;           // of the slab, so that surfaces in its planes are met; tile periods
+constexpr size_t kStream = 64;            // rays that Embree is handed at once
+constexpr int kMaxSegments = 4096;        // of one ray; bounds nearly horizontal ones
 constexpr size_t kMaxCopies = 2'000'000;  // triangles in the scene, if the tile itself has fewer
 
-// Memory is what Embree is expected to lack at times; callers treat that as any other allocation. Null: what kept a
-// device from being made.
+// Memory is what Embree is expected to lack at times; callers treat that as any other allocation. Null: what
+// kept a device from being made.
 void throwIfFailed(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree fails with error " + std::to_string(error) + (error == RTC_ERROR_UNSUPPORTED_CPU ? ", a processor without AVX2" : ""));
+  if (error != RTC_ERROR_NONE)
+    throw std::runtime_error("Embree fails with error " + std::to_string(error) +
+                             (error == RTC_ERROR_UNSUPPORTED_CPU ? ", a processor without AVX2" : ""));
 }
 
 struct Device {
@@ -110,7 +112,8 @@ struct TileTracer::Impl {
   bool blocked(glm::dvec3 origin, const glm::dvec3& direction) const;
   TileHit pointOn(uint32_t triangle, glm::dvec2 b) const;
   // What the whole ray from origin has met within one of its segments.
-  TileHit hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin, const glm::dvec3& direction) const;
+  TileHit hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin,
+                const glm::dvec3& direction) const;
 };
 
 void TileTracer::Impl::build() {
@@ -122,7 +125,8 @@ void TileTracer::Impl::build() {
 
   std::vector<glm::vec3> vertices;
   std::vector<glm::uvec3> indices;
-  const glm::ivec2 first(glm::floor(-margin - glm::dvec2(high))), last(glm::ceil(1 + margin - glm::dvec2(low)));
+  const glm::ivec2 first(glm::floor(-margin - glm::dvec2(high))),
+      last(glm::ceil(1 + margin - glm::dvec2(low)));
   constexpr uint32_t kUnused = 0xFFFFFFFFu;
   std::vector<uint32_t> vertex_of(tile.positions.size());
   for (int j = first.y; j <= last.y; ++j)
@@ -136,7 +140,8 @@ void TileTracer::Impl::build() {
           const glm::dvec2 corner(tile.positions[triangle[k]] + shift);
           box_low = glm::min(box_low, corner), box_high = glm::max(box_high, corner);
         }
-        if (box_high.x < -margin || box_high.y < -margin || box_low.x > 1 + margin || box_low.y > 1 + margin) continue;
+        if (box_high.x < -margin || box_high.y < -margin || box_low.x > 1 + margin || box_low.y > 1 + margin)
+          continue;
         glm::uvec3 corners;
         for (int k = 0; k < 3; ++k) {
           uint32_t& vertex = vertex_of[triangle[k]];
@@ -152,10 +157,12 @@ void TileTracer::Impl::build() {
     }
 
   RTCGeometry geometry = rtcNewGeometry(sharedDevice(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices.size());
+  void* into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                       sizeof(glm::vec3), vertices.size());
   throwIfFailed(sharedDevice());
   std::copy(vertices.begin(), vertices.end(), static_cast<glm::vec3*>(into));
-  into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), indices.size());
+  into = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
+                                 indices.size());
   throwIfFailed(sharedDevice());
   std::copy(indices.begin(), indices.end(), static_cast<glm::uvec3*>(into));
   rtcCommitGeometry(geometry);
@@ -168,7 +175,8 @@ void TileTracer::Impl::build() {
   throwIfFailed(sharedDevice());
 }
 
-std::optional<TileTracer::Impl::Segment> TileTracer::Impl::segment(const glm::dvec3& origin, const glm::dvec3& direction) const {
+std::optional<TileTracer::Impl::Segment> TileTracer::Impl::segment(const glm::dvec3& origin,
+                                                                   const glm::dvec3& direction) const {
   const double far = std::numeric_limits<double>::infinity();
   const double slab = direction.z > 0 ? (kSlack - origin.z) / direction.z
                                       : (direction.z < 0 ? (z_min - kSlack - origin.z) / direction.z : far);
@@ -177,16 +185,23 @@ std::optional<TileTracer::Impl::Segment> TileTracer::Impl::segment(const glm::dv
   const glm::dvec2 local = glm::dvec2(origin) - period;
   double exit = far;
   for (int axis = 0; axis < 2; ++axis)
-    if (direction[axis] != 0) exit = std::min(exit, ((direction[axis] > 0 ? 1 + margin : -margin) - local[axis]) / direction[axis]);
+    if (direction[axis] != 0)
+      exit = std::min(exit, ((direction[axis] > 0 ? 1 + margin : -margin) - local[axis]) / direction[axis]);
   return Segment{{local, origin.z}, glm::ivec2(period), std::min(slab, exit), slab <= exit};
 }
 
 TileTracer::TileTracer(const Tile& tile) : impl_(std::make_unique<Impl>(tile)) {}
 TileTracer::~TileTracer() = default;
 TileTracer::TileTracer(TileTracer&&) noexcept = default;
-const Tile& TileTracer::tile() const { return impl_->tile; }
-double TileTracer::zMin() const { return impl_->z_min; }
-TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const { return impl_->pointOn(triangle, b); }
+const Tile& TileTracer::tile() const {
+  return impl_->tile;
+}
+double TileTracer::zMin() const {
+  return impl_->z_min;
+}
+TileHit TileTracer::pointOn(uint32_t triangle, glm::dvec2 b) const {
+  return impl_->pointOn(triangle, b);
+}
 
 TileHit TileTracer::Impl::pointOn(uint32_t triangle, glm::dvec2 b) const {
   const glm::uvec3 v = tile.triangles[triangle];
@@ -205,9 +220,11 @@ TileHit TileTracer::Impl::pointOn(uint32_t triangle, glm::dvec2 b) const {
     hit.brdf.f0 += float(w[k]) * brdf.f0;
     hit.brdf.alpha += float(w[k]) * brdf.alpha;
   }
-  if (!tile.texture_points.empty()) [[unlikely]] readTextures(tile.materials, tile.texture_points, v, b, hit.brdf);
+  if (!tile.texture_points.empty()) [[unlikely]]
+    readTextures(tile.materials, tile.texture_points, v, b, hit.brdf);
   hit.normal = glm::normalize(hit.normal);
-  const glm::dvec3 face = glm::cross(tile.positions[v[1]] - tile.positions[v[0]], tile.positions[v[2]] - tile.positions[v[0]]);
+  const glm::dvec3 face =
+      glm::cross(tile.positions[v[1]] - tile.positions[v[0]], tile.positions[v[2]] - tile.positions[v[0]]);
   hit.geometric_normal = glm::normalize(glm::dot(face, hit.normal) < 0 ? -face : face);
   hit.ray_origin = hit.position + kLift * hit.geometric_normal;
   for (int k = 0; k < 3; ++k) {
@@ -218,7 +235,8 @@ TileHit TileTracer::Impl::pointOn(uint32_t triangle, glm::dvec2 b) const {
   return hit;
 }
 
-TileHit TileTracer::Impl::hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin, const glm::dvec3& direction) const {
+TileHit TileTracer::Impl::hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin,
+                                const glm::dvec3& direction) const {
   const Copy& copy = copies[met.primID];
   TileHit hit = pointOn(copy.triangle, {met.u, met.v});
   const glm::dvec2 shift(part.period + glm::ivec2(copy.shift_x, copy.shift_y));
@@ -266,11 +284,11 @@ bool TileTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction)
   return impl_->blocked(origin, direction);
 }
 
-// Rays that end inside the covered box go in streams. As incoherent ones, one direction or not: Embree then traverses ray
-// by ray with vectors over boxes and triangles, which is 1.5 to 1.7 times as fast as packets of eight (`bench_bake`), with the
-// same bits.
-void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted, const glm::vec3& direction,
-                          std::span<uint8_t> blocked) const {
+// Rays that end inside the covered box go in streams. As incoherent ones, one direction or not: Embree then
+// traverses ray by ray with vectors over boxes and triangles, which is 1.5 to 1.7 times as fast as packets of
+// eight (`bench_bake`), with the same bits.
+void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted,
+                          const glm::vec3& direction, std::span<uint8_t> blocked) const {
   LODEN_CHECK_EQ(origins.size(), wanted.size());
   LODEN_CHECK_EQ(origins.size(), blocked.size());
   const float low = float(-impl_->margin), high = float(1 + impl_->margin);
@@ -286,7 +304,8 @@ void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const ui
     blocked[i] = 1;
     if (!wanted[i]) continue;
     const glm::vec3 start = origins[i] - glm::vec3(glm::floor(glm::vec2(origins[i])), 0);
-    const float length = std::max(0.0f, (float(kSlack) - start.z) / direction.z);  // negative would read as blocked
+    const float length =
+        std::max(0.0f, (float(kSlack) - start.z) / direction.z);  // negative would read as blocked
     const glm::vec2 end = glm::vec2(start) + length * glm::vec2(direction);
     if (direction.z <= 0 || std::min(end.x, end.y) < low || std::max(end.x, end.y) > high) {
       blocked[i] = impl_->blocked(glm::dvec3(origins[i]), glm::dvec3(direction));
@@ -301,7 +320,9 @@ void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const ui
 
 namespace {
 
-glm::dvec3 startOfView(glm::dvec2 x, const glm::dvec3& wo) { return glm::dvec3(x, 0) + kStartHeight / wo.z * wo; }
+glm::dvec3 startOfView(glm::dvec2 x, const glm::dvec3& wo) {
+  return glm::dvec3(x, 0) + kStartHeight / wo.z * wo;
+}
 
 }  // namespace
 
@@ -311,9 +332,10 @@ std::optional<TileHit> TileTracer::intersectView(glm::dvec2 x, const glm::dvec3&
   return hit;
 }
 
-// First segments in coherent streams, faster than ray by ray and with the same bits but where a ray meets an edge; what they leave goes
-// ray by ray.
-void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo, std::span<std::optional<TileHit>> hits) const {
+// First segments in coherent streams, faster than ray by ray and with the same bits but where a ray meets an
+// edge; what they leave goes ray by ray.
+void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo,
+                                std::span<std::optional<TileHit>> hits) const {
   LODEN_CHECK_EQ(x.size(), hits.size());
   RTCRayHit rays[kStream];
   std::optional<Impl::Segment> parts[kStream];
@@ -321,7 +343,8 @@ void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3&
     const size_t count = std::min(kStream, x.size() - first);
     for (size_t k = 0; k < count; ++k) {
       parts[k] = impl_->segment(startOfView(x[first + k], wo), -wo);
-      rays[k] = parts[k] ? makeRayHit(parts[k]->origin, -wo, float(parts[k]->length)) : makeRayHit({}, -wo, -1.0f);  // never active
+      rays[k] = parts[k] ? makeRayHit(parts[k]->origin, -wo, float(parts[k]->length))
+                         : makeRayHit({}, -wo, -1.0f);  // never active
     }
     RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     rtcIntersect1M(impl_->scene, &context, rays, static_cast<unsigned>(count), sizeof(RTCRayHit));
@@ -338,7 +361,11 @@ void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3&
   }
 }
 
-FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }
-FlushDenormals::~FlushDenormals() { _mm_setcsr(saved_); }
+FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) {
+  _mm_setcsr(saved_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON);
+}
+FlushDenormals::~FlushDenormals() {
+  _mm_setcsr(saved_);
+}
 
 }  // namespace loden::importer

@@ -12,13 +12,13 @@
 namespace loden::importer {
 
 struct TileHit {
-  double t = 0;          // along the ray, tile periods
-  glm::dvec3 position{0};  // tile periods, unwrapped
-  glm::dvec3 normal{0};    // unit, shading, as interpolated (not flipped)
+  double t = 0;                    // along the ray, tile periods
+  glm::dvec3 position{0};          // tile periods, unwrapped
+  glm::dvec3 normal{0};            // unit, shading, as interpolated (not flipped)
   glm::dvec3 geometric_normal{0};  // unit, towards the ray's origin
-  glm::dvec2 p{0};         // parameter, unwrapped, of the copy that was hit
-  // Where rays that leave the surface start: lifted off the facets towards the smooth surface that the shading
-  // normals describe (Hanika 2021), so that coarse meshes do not shadow themselves.
+  glm::dvec2 p{0};                 // parameter, unwrapped, of the copy that was hit
+  // Where rays that leave the surface start: lifted off the facets towards the smooth surface that the
+  // shading normals describe (Hanika 2021), so that coarse meshes do not shadow themselves.
   glm::dvec3 ray_origin{0};
   LocalBrdf brdf;
   uint32_t triangle = 0;
@@ -40,14 +40,15 @@ class TileTracer {
   std::optional<TileHit> intersect(const glm::dvec3& origin, const glm::dvec3& direction) const;
   // True if something stands between origin and the open sky (z = 0 plane) along direction, direction.z > 0.
   bool occluded(const glm::dvec3& origin, const glm::dvec3& direction) const;
-  // The same for many origins and one direction, in streams; blocked[i] = 1 where occluded, else 0. Only origins
-  // with wanted[i] != 0 are traced, the others get 1.
-  void occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted, const glm::vec3& direction,
-                std::span<uint8_t> blocked) const;
+  // The same for many origins and one direction, in streams; blocked[i] = 1 where occluded, else 0. Only
+  // origins with wanted[i] != 0 are traced, the others get 1.
+  void occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted,
+                const glm::vec3& direction, std::span<uint8_t> blocked) const;
   // First hit of the view ray through x on the reference plane, coming from wo.
   std::optional<TileHit> intersectView(glm::dvec2 x, const glm::dvec3& wo) const;
   // The same for many x, in streams: hits[i] of x[i].
-  void intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo, std::span<std::optional<TileHit>> hits) const;
+  void intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo,
+                      std::span<std::optional<TileHit>> hits) const;
 
  private:
   struct Impl;

@@ -1,9 +1,9 @@
-// builtin:weave: plain weave of two warp and two weft yarns over a dark lining. Every yarn is a surface of its own,
-// open below where nothing sees it, and passes over and under the yarns that it crosses.
+// builtin:weave: plain weave of two warp and two weft yarns over a dark lining. Every yarn is a surface of
+// its own, open below where nothing sees it, and passes over and under the yarns that it crosses.
 #include <cmath>
 
-#include "importer/tile/charts.h"
 #include "importer/base/periodic_noise.h"
+#include "importer/tile/charts.h"
 #include "importer/tile/polygon_mesh.h"
 #include "material/model/directions.h"
 
@@ -11,30 +11,39 @@ namespace loden::importer {
 namespace {
 
 constexpr double kTwoPi = 2 * kPi;
-constexpr int kYarns = 2;           // each way; a plain weave repeats after two
+constexpr int kYarns = 2;                                 // each way; a plain weave repeats after two
 constexpr double kHalfWidth = 0.22, kHalfHeight = 0.052;  // of a yarn's section, tile periods
-constexpr double kLens = 0.6;  // the section is an ellipse at 0, a lens with sharp edges at 1: room for what it crosses
-constexpr double kAmplitude = 0.072;  // of a yarn's axis, tile periods; yarns that cross do not touch
+constexpr double kLens =
+    0.6;  // the section is an ellipse at 0, a lens with sharp edges at 1: room for what it crosses
+constexpr double kAmplitude = 0.072;          // of a yarn's axis, tile periods; yarns that cross do not touch
 constexpr double kOpening = 140 * kPi / 180;  // radians from the section's top to its open border
-constexpr double kUnderside = 0.35;  // parameter length per length below the section's widest point, where little is seen
+constexpr double kUnderside =
+    0.35;  // parameter length per length below the section's widest point, where little is seen
 constexpr double kLiningScale = 0.28;  // parameter length per length of the lining
 
-double sectionHeight(double angle) { return std::cos(angle) * (1 - kLens + kLens * std::abs(std::cos(angle))); }
+double sectionHeight(double angle) {
+  return std::cos(angle) * (1 - kLens + kLens * std::abs(std::cos(angle)));
+}
 
-// The yarn along y (warp) or x (weft) with number 0 or 1. `along` runs over one period; it starts and ends where
-// the yarn is hidden under another.
+// The yarn along y (warp) or x (weft) with number 0 or 1. `along` runs over one period; it starts and ends
+// where the yarn is hidden under another.
 struct Yarn {
   bool warp = true;
   int number = 0;
 
   double start() const { return (warp ? number + 1 : number) % 2 == 0 ? 0.25 : 0.75; }
-  double axisHeight(double along) const { return ((warp ? number : number + 1) % 2 == 0 ? 1 : -1) * kAmplitude * std::sin(kTwoPi * along); }
-  double axisSlope(double along) const { return ((warp ? number : number + 1) % 2 == 0 ? 1 : -1) * kAmplitude * kTwoPi * std::cos(kTwoPi * along); }
+  double axisHeight(double along) const {
+    return ((warp ? number : number + 1) % 2 == 0 ? 1 : -1) * kAmplitude * std::sin(kTwoPi * along);
+  }
+  double axisSlope(double along) const {
+    return ((warp ? number : number + 1) % 2 == 0 ? 1 : -1) * kAmplitude * kTwoPi * std::cos(kTwoPi * along);
+  }
 
   // angle: from the top of the section, radians.
   glm::dvec3 position(double along, double angle) const {
     const double twist = 1 + 0.035 * std::sin(5 * angle + kTwoPi * (9 * along + 0.37 * number));
-    const double across = kHalfWidth * twist * std::sin(angle), up = kHalfHeight * twist * sectionHeight(angle);
+    const double across = kHalfWidth * twist * std::sin(angle),
+                 up = kHalfHeight * twist * sectionHeight(angle);
     const double slope = axisSlope(along), length = std::sqrt(1 + slope * slope);
     const double centre = (number + 0.5) / kYarns;
     const double on = along - up * slope / length, z = axisHeight(along) + up / length;
@@ -46,7 +55,8 @@ struct Yarn {
                                      position(along + kStep, angle) - position(along - kStep, angle)));
   }
   LocalBrdf brdf(double along, double angle) const {
-    const double fibre = periodicFractal({along, angle / kTwoPi}, {24, 16}, 2, warp ? 83 + number : 91 + number);
+    const double fibre =
+        periodicFractal({along, angle / kTwoPi}, {24, 16}, 2, warp ? 83 + number : 91 + number);
     const double ply = 0.5 + 0.5 * std::sin(5 * angle + kTwoPi * (9 * along + 0.37 * number));
     const glm::dvec3 dye = warp ? glm::dvec3(0.07, 0.13, 0.33) : glm::dvec3(0.60, 0.52, 0.38);
     LocalBrdf b;
@@ -61,8 +71,10 @@ struct Yarn {
 std::vector<double> sectionLengths(int columns) {
   std::vector<double> lengths(1, 0.0);
   for (int k = 0; k < columns; ++k) {
-    const double from = kOpening * (2.0 * k / columns - 1), to = kOpening * (2.0 * (k + 1) / columns - 1), angle = (from + to) / 2;
-    const double length = std::hypot(kHalfWidth * (std::sin(to) - std::sin(from)), kHalfHeight * (sectionHeight(to) - sectionHeight(from)));
+    const double from = kOpening * (2.0 * k / columns - 1), to = kOpening * (2.0 * (k + 1) / columns - 1),
+                 angle = (from + to) / 2;
+    const double length = std::hypot(kHalfWidth * (std::sin(to) - std::sin(from)),
+                                     kHalfHeight * (sectionHeight(to) - sectionHeight(from)));
     lengths.push_back(lengths.back() + length * (std::abs(angle) < kPi / 2 ? 1 : kUnderside));
   }
   return lengths;
@@ -91,7 +103,8 @@ void addYarn(Tile& tile, const Yarn& yarn, int resolution, uint16_t chart) {
       // The last row is the first, one period on: evaluated there, so that they agree exactly.
       const double at = j == resolution ? yarn.start() : along;
       const double period = j == resolution ? 1 : 0;
-      tile.positions.push_back(yarn.position(at, angle) + (yarn.warp ? glm::dvec3(0, period, 0) : glm::dvec3(period, 0, 0)));
+      tile.positions.push_back(yarn.position(at, angle) +
+                               (yarn.warp ? glm::dvec3(0, period, 0) : glm::dvec3(period, 0, 0)));
       tile.normals.push_back(yarn.normal(at, angle));
       tile.params.push_back({lengths[size_t(i)], v});
       tile.brdfs.push_back(yarn.brdf(at, angle));

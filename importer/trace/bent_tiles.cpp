@@ -26,13 +26,15 @@ glm::dvec3 bentPosition(const AnalyticSurface& surface, const glm::dvec3& tile_p
 }
 
 // Normals follow the inverse transpose of the bending's Jacobian, taken by central differences.
-glm::dvec3 bentNormal(const AnalyticSurface& surface, const glm::dvec3& position, const glm::dvec3& normal, int row) {
+glm::dvec3 bentNormal(const AnalyticSurface& surface, const glm::dvec3& position, const glm::dvec3& normal,
+                      int row) {
   constexpr double kStep = 1e-5;  // tile periods
   glm::dmat3 jacobian;
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 step(0);
     step[axis] = kStep;
-    jacobian[axis] = bentPosition(surface, position + step, row) - bentPosition(surface, position - step, row);
+    jacobian[axis] =
+        bentPosition(surface, position + step, row) - bentPosition(surface, position - step, row);
   }
   // The transposed cofactor matrix: the inverse transpose without its division, fit for the poles.
   const glm::dmat3 cofactor(glm::cross(jacobian[1], jacobian[2]), glm::cross(jacobian[2], jacobian[0]),
@@ -85,10 +87,11 @@ void BentTiles::Impl::buildColumn() {
   rtcSetSceneFlags(column, RTC_SCENE_FLAG_ROBUST);
   for (size_t r = 0; r < rows.size(); ++r) {
     RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
-                                             rows[r].positions.size());
+    void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             sizeof(glm::vec3), rows[r].positions.size());
     std::copy(rows[r].positions.begin(), rows[r].positions.end(), static_cast<glm::vec3*>(vertices));
-    void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), triangles.size());
+    void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            sizeof(glm::uvec3), triangles.size());
     std::copy(triangles.begin(), triangles.end(), static_cast<glm::uvec3*>(indices));
     rtcCommitGeometry(mesh);
     rtcAttachGeometryByID(column, mesh, static_cast<unsigned>(r));
@@ -134,7 +137,8 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   }
   for (int k = 0; k < 3; ++k) {
     const glm::dvec3 vertex_normal(row.normals[triangle[k]]);
-    lift -= b[k] * std::min(0.0, glm::dot(position - glm::dvec3(row.positions[triangle[k]]), vertex_normal)) * vertex_normal;
+    lift -= b[k] * std::min(0.0, glm::dot(position - glm::dvec3(row.positions[triangle[k]]), vertex_normal)) *
+            vertex_normal;
   }
   const glm::dvec3 edge1(row.positions[triangle.y] - row.positions[triangle.x]);
   const glm::dvec3 edge2(row.positions[triangle.z] - row.positions[triangle.x]);
@@ -145,7 +149,8 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   hit.geometric_normal = rotation * geometric;
   hit.ray_origin = rotation * (position + lift + kLift * geometric);
   hit.tile_position = tile_position;
-  hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent), glm::vec3(f0), static_cast<float>(alpha)};
+  hit.brdf = {glm::vec3(diffuse), static_cast<float>(specular), static_cast<float>(exponent), glm::vec3(f0),
+              static_cast<float>(alpha)};
   if (!texture_points.empty()) readTextures(materials, texture_points, triangle, {b[1], b[2]}, hit.brdf);
   return hit;
 }
@@ -168,8 +173,10 @@ namespace {
 
 RTCRay rayFrom(const glm::dvec3& origin, const glm::dvec3& direction) {
   RTCRay ray{};
-  ray.org_x = static_cast<float>(origin.x), ray.org_y = static_cast<float>(origin.y), ray.org_z = static_cast<float>(origin.z);
-  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y), ray.dir_z = static_cast<float>(direction.z);
+  ray.org_x = static_cast<float>(origin.x), ray.org_y = static_cast<float>(origin.y),
+  ray.org_z = static_cast<float>(origin.z);
+  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y),
+  ray.dir_z = static_cast<float>(direction.z);
   ray.tfar = std::numeric_limits<float>::infinity();
   ray.mask = ~0u;
   return ray;

@@ -12,11 +12,14 @@ glm::dvec3 usable(const glm::vec3& pixel) {
   return c;
 }
 
-double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+double luminance(const glm::dvec3& c) {
+  return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+}
 
 // Of one pixel of the row.
 double solidAngle(const Panorama& panorama, int row) {
-  return 2 * kPi / panorama.width * (std::cos(kPi * row / panorama.height) - std::cos(kPi * (row + 1) / panorama.height));
+  return 2 * kPi / panorama.width *
+         (std::cos(kPi * row / panorama.height) - std::cos(kPi * (row + 1) / panorama.height));
 }
 
 }  // namespace
@@ -32,7 +35,8 @@ PanoramaLights::PanoramaLights(const Panorama& panorama) : panorama_(panorama) {
 
 LightSample PanoramaLights::sample(double u, double v, double w) const {
   if (cumulative_.empty() || !(cumulative_.back() > 0)) return {{0, 0, 1}, glm::dvec3(0)};
-  const size_t i = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u * cumulative_.back()) - cumulative_.begin();
+  const size_t i = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u * cumulative_.back()) -
+                   cumulative_.begin();
   const int row = int(i / panorama_.width), column = int(i % panorama_.width);
   const glm::dvec3 c = usable(panorama_.pixels[i]);
   // Density: luminance / total, per solid angle.

@@ -8,8 +8,8 @@
 
 namespace loden::importer {
 
-// A direction and what its light weighs: the mean of weight * f(direction) over many samples is the integral of
-// radiance * f over the sphere, over pi.
+// A direction and what its light weighs: the mean of weight * f(direction) over many samples is the integral
+// of radiance * f over the sphere, over pi.
 struct LightSample {
   glm::dvec3 direction{0, 0, 1};
   glm::dvec3 weight{1};

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "importer/trace/bent_tiles.h"
-#include "importer/tile/local_brdf.h"
-#include "importer/trace/panorama_lights.h"
 #include "importer/base/parallel.h"
 #include "importer/base/progress.h"
 #include "importer/base/random.h"
+#include "importer/tile/local_brdf.h"
 #include "importer/tile/tile_tracer.h"
+#include "importer/trace/bent_tiles.h"
+#include "importer/trace/panorama_lights.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -35,8 +35,8 @@ class PlaneWorld : public World {
     extent_ = surfaceFrame(surface_, {1, 1}).position - corner_;
   }
 
-  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, std::span<const LightSample> lights,
-                      uint64_t seed) const override {
+  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction,
+                      std::span<const LightSample> lights, uint64_t seed) const override {
     if (!(direction.z < 0) || origin.z <= 0) return glm::dvec4(0);
     const glm::dvec3 point = origin - direction * (origin.z / direction.z);
     const glm::dvec2 st = (glm::dvec2(point) - glm::dvec2(corner_)) / glm::dvec2(extent_);
@@ -61,21 +61,25 @@ class BentWorld : public World {
   BentWorld(const Tile& tile, const TraceOptions& options)
       : tiles_(tile, analyticSurface(options.surface)), bounces_(options.bounces) {}
 
-  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction, std::span<const LightSample> lights,
-                      uint64_t seed) const override {
+  glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction,
+                      std::span<const LightSample> lights, uint64_t seed) const override {
     const auto hit = tiles_.intersect(origin, direction);
-    if (!hit || glm::dot(hit->geometric_normal, direction) >= 0) return glm::dvec4(0);  // nothing is seen from inside
+    if (!hit || glm::dot(hit->geometric_normal, direction) >= 0)
+      return glm::dvec4(0);  // nothing is seen from inside
     glm::dvec3 sum(0);
-    for (const LightSample& light : lights) sum += light.weight * shade(*hit, light.direction, -direction, bounces_, seed);
+    for (const LightSample& light : lights)
+      sum += light.weight * shade(*hit, light.direction, -direction, bounces_, seed);
     return {sum, 1};
   }
 
  private:
   // As shadeHit, for the plane.
-  glm::dvec3 shade(const BentHit& hit, const glm::dvec3& wi, const glm::dvec3& wo, int bounces, uint64_t seed) const {
+  glm::dvec3 shade(const BentHit& hit, const glm::dvec3& wi, const glm::dvec3& wo, int bounces,
+                   uint64_t seed) const {
     glm::dvec3 value(0);
     const double cosine = glm::dot(hit.normal, wi);
-    if (cosine > 0 && !tiles_.occluded(hit.ray_origin, wi)) value = reflectance(hit.brdf, hit.normal, wi, wo) * cosine;
+    if (cosine > 0 && !tiles_.occluded(hit.ray_origin, wi))
+      value = reflectance(hit.brdf, hit.normal, wi, wo) * cosine;
     if (bounces <= 0) return value;
     const glm::dvec3 direction = cosineDirection(hit.normal, uniform(seed, 0), uniform(seed, 1));
     const auto next = tiles_.intersect(hit.ray_origin, direction);
@@ -106,7 +110,8 @@ struct Lights {
 // A pixel's area in `count` cells of equal area: rows as high as they have cells.
 class Strata {
  public:
-  explicit Strata(int count) : count_(std::max(1, count)), rows_(static_cast<int>(std::lround(std::sqrt(count_)))) {}
+  explicit Strata(int count)
+      : count_(std::max(1, count)), rows_(static_cast<int>(std::lround(std::sqrt(count_)))) {}
   int count() const { return count_; }
   // The point (u, v) of cell s, both in [0, 1), as a point of the pixel.
   glm::dvec2 at(int s, double u, double v) const {
@@ -127,7 +132,8 @@ glm::vec4 pixelAverage(const World& world, const Lights& lights, const TraceOpti
     const uint64_t seed = mixSeed(pixel_seed, s);
     const glm::dvec2 p = glm::dvec2(x, y) + strata.at(s, uniform(seed, 0), uniform(seed, 1));
     const glm::dvec3 direction = cameraRay(options.camera, p.x, p.y, options.width, options.height);
-    sum += world.radiance(options.camera.position, direction, lights.draw(mixSeed(seed, 3)), mixSeed(seed, 2));
+    sum +=
+        world.radiance(options.camera.position, direction, lights.draw(mixSeed(seed, 3)), mixSeed(seed, 2));
   }
   return sum / double(strata.count());
 }
@@ -136,14 +142,19 @@ glm::vec4 pixelAverage(const World& world, const Lights& lights, const TraceOpti
 
 Result<Picture> trace(const Tile& tile, const TraceOptions& options) {
   const glm::dvec3 forward = options.camera.target - options.camera.position;
-  if (!(glm::length(forward) >= 1e-9)) return Issue{issue_id::kOption, Severity::kError, "camera", "position and target are the same point"};
+  if (!(glm::length(forward) >= 1e-9))
+    return Issue{issue_id::kOption, Severity::kError, "camera", "position and target are the same point"};
   if (!(glm::length(glm::cross(forward, options.camera.up)) > 1e-9 * glm::length(forward)))
-    return Issue{issue_id::kOption, Severity::kError, "camera", "up lies along the direction of view, and gives no picture its top; name another \"up\""};
+    return Issue{issue_id::kOption, Severity::kError, "camera",
+                 "up lies along the direction of view, and gives no picture its top; name another \"up\""};
   std::unique_ptr<World> world;
-  if (options.surface == SurfaceKind::kPlane) world = std::make_unique<PlaneWorld>(tile, options);
-  else world = std::make_unique<BentWorld>(tile, options);
+  if (options.surface == SurfaceKind::kPlane)
+    world = std::make_unique<PlaneWorld>(tile, options);
+  else
+    world = std::make_unique<BentWorld>(tile, options);
   const Lights lights(options);
-  Picture picture{options.width, options.height, std::vector<glm::vec4>(size_t(options.width) * options.height)};
+  Picture picture{options.width, options.height,
+                  std::vector<glm::vec4>(size_t(options.width) * options.height)};
   Progress progress("trace", options.height, options.quiet);
   parallelFor(options.height, options.threads, [&](size_t y) {
     const FlushDenormals flush;

@@ -13,21 +13,22 @@ namespace loden::importer {
 struct TraceOptions {
   SurfaceKind surface = SurfaceKind::kPlane;
   Camera camera;
-  // World space, unit, towards the light; perpendicular irradiance pi (white Lambert = 1). None: no such light.
+  // World space, unit, towards the light; perpendicular irradiance pi (white Lambert = 1). None: no such
+  // light.
   std::optional<glm::dvec3> light = glm::dvec3(0, 0, 1);
   // Light from all around, z up; 1 everywhere makes white Lambert 1. One random light of it per sample.
   std::optional<Panorama> environment;
   int width = 800, height = 600;
-  int samples = 16;           // per pixel, stratified over its area
-  int bounces = 0;            // 0: direct light and cast shadows
+  int samples = 16;  // per pixel, stratified over its area
+  int bounces = 0;   // 0: direct light and cast shadows
   int threads = 0;
   bool quiet = false;
 };
 
-// Linear RGB averaged over each pixel's area, alpha = coverage, background black. On the plane the tile repeats
-// without end, seen through the 2 m patch. On cylinder and sphere every tile is bent with the surface:
-// P = S(x, y) + z * kTilePeriod * N. The picture does not depend on the number of threads. A camera without a direction,
-// or whose up lies along it, is refused (kOption).
+// Linear RGB averaged over each pixel's area, alpha = coverage, background black. On the plane the tile
+// repeats without end, seen through the 2 m patch. On cylinder and sphere every tile is bent with the
+// surface: P = S(x, y) + z * kTilePeriod * N. The picture does not depend on the number of threads. A camera
+// without a direction, or whose up lies along it, is refused (kOption).
 Result<Picture> trace(const Tile& tile, const TraceOptions& options);
 
 }  // namespace loden::importer

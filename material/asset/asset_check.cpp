@@ -143,15 +143,18 @@ class MaterialCheck {
     const bool quads_fit = within(band.y_quads, 0, Limits::kMaxQuads) &&
                            within(band.chroma_quads, 0, Limits::kMaxQuads) && band.quads() > 0 &&
                            within(band.light_quads, 0, Limits::kMaxQuads);
-    require(quads_fit, "the numbers of quads are not in 0..", Limits::kMaxQuads, ", or none is of Y or chroma");
+    require(quads_fit, "the numbers of quads are not in 0..", Limits::kMaxQuads,
+            ", or none is of Y or chroma");
     for (const glm::vec4& scale : band.quad_scale) checkFinite(scale, i, "quad_scale");
     checkFinite(band.ratio_scale, i, "ratio_scale");
     if (!quads_fit) return;
-    require(within(band.lead_quads, 0, std::min(band.y_quads, band.quads() - 1)), "lead_quads ", band.lead_quads,
-            " is more than y_quads, or leaves no rest");
-    require(band.lead_quads == 0 || band.light_quads == 0, "lead_quads ", band.lead_quads, " of a band with a light factor");
+    require(within(band.lead_quads, 0, std::min(band.y_quads, band.quads() - 1)), "lead_quads ",
+            band.lead_quads, " is more than y_quads, or leaves no rest");
+    require(band.lead_quads == 0 || band.light_quads == 0, "lead_quads ", band.lead_quads,
+            " of a band with a light factor");
     const int scaled = band.quads() + band.light_quads;
-    require(band.quad_scale.size() == static_cast<size_t>(scaled), band.quad_scale.size(), " scales for ", scaled, " quads");
+    require(band.quad_scale.size() == static_cast<size_t>(scaled), band.quad_scale.size(), " scales for ",
+            scaled, " quads");
     checkWeights(band, join("HEAD, band ", i, ", weights"));
     checkTable(band, join("HEAD, band ", i, ", table"));
     if (band.light_quads > 0) checkLightTable(band, join("HEAD, band ", i, ", light table"));
@@ -178,8 +181,10 @@ class MaterialCheck {
     int64_t x = m_.lights.size(), y = m_.views.size(), z = band.quads();
     if (band.layout == TableLayout::kGrid) {
       const DirectionGrid grid = tableGrid(band, m_.theta_max);
-      issues_.require(within(grid.thetas, 2, Limits::kMaxGridSide) && within(grid.phis, 2, Limits::kMaxGridSide),
-                      kBandField, place, grid.thetas, " x ", grid.phis, " directions; each is in 2..", Limits::kMaxGridSide);
+      issues_.require(
+          within(grid.thetas, 2, Limits::kMaxGridSide) && within(grid.phis, 2, Limits::kMaxGridSide),
+          kBandField, place, grid.thetas, " x ", grid.phis, " directions; each is in 2..",
+          Limits::kMaxGridSide);
       x = grid.phis;
       y = int64_t{grid.thetas} * grid.thetas;
       z *= grid.phis;
@@ -193,11 +198,12 @@ class MaterialCheck {
     const Texture& table = band.light_table;
     checkBandFormat(table, place);
     checkExtents(table, TextureShape::kVolume, kBandField, place);
-    issues_.require(band.layout == TableLayout::kGrid, kBandField, place, "only a band of layout grid has a light factor");
-    issues_.require(within(table.height, 2, Limits::kMaxGridSide) && within(table.width, 2, Limits::kMaxGridSide) &&
-                        table.depth == band.light_quads,
-                    kBandField, place, "extents ", table.width, " x ", table.height, " x ", table.depth, "; needed are 2..",
-                    Limits::kMaxGridSide, " twice, and ", band.light_quads);
+    issues_.require(band.layout == TableLayout::kGrid, kBandField, place,
+                    "only a band of layout grid has a light factor");
+    issues_.require(within(table.height, 2, Limits::kMaxGridSide) &&
+                        within(table.width, 2, Limits::kMaxGridSide) && table.depth == band.light_quads,
+                    kBandField, place, "extents ", table.width, " x ", table.height, " x ", table.depth,
+                    "; needed are 2..", Limits::kMaxGridSide, " twice, and ", band.light_quads);
   }
 
   void checkBandFormat(const Texture& texture, const std::string& place) {
@@ -232,13 +238,14 @@ class MaterialCheck {
              "HEAD, geometry image");
     for (int axis = 0; axis < 3; ++axis) {
       const float range = geometry.range[axis];
-      issues_.require(range >= 0 && range <= Limits::kMaxTilePeriods, kMapField, "HEAD, geometry image", "range ",
-                      range, " is not in 0..", Limits::kMaxTilePeriods);
+      issues_.require(range >= 0 && range <= Limits::kMaxTilePeriods, kMapField, "HEAD, geometry image",
+                      "range ", range, " is not in 0..", Limits::kMaxTilePeriods);
     }
-    issues_.require(geometry.side() <= int{Limits::kMaxGeometrySide}, issue_id::kLimit, "HEAD, geometry image",
-                    "the side is above ", Limits::kMaxGeometrySide);
+    issues_.require(geometry.side() <= int{Limits::kMaxGeometrySide}, issue_id::kLimit,
+                    "HEAD, geometry image", "the side is above ", Limits::kMaxGeometrySide);
     const VdimAtlasSize& atlas = m_.atlas;
-    issues_.require(within(atlas.texels, 1, Limits::kMaxAtlasTexels) && within(atlas.directions, 1, Limits::kMaxAtlasDirections),
+    issues_.require(within(atlas.texels, 1, Limits::kMaxAtlasTexels) &&
+                        within(atlas.directions, 1, Limits::kMaxAtlasDirections),
                     kMapField, "HEAD, geometry image", "an atlas of ", atlas.texels, " x ", atlas.directions,
                     " texels and directions per side; they are in 1..", Limits::kMaxAtlasTexels, " and 1..",
                     Limits::kMaxAtlasDirections);
@@ -250,8 +257,8 @@ class MaterialCheck {
                         within(vdim.azimuths, 2, Limits::kMaxSide);
     issues_.require(counts, kMapField, place, "side, zeniths or azimuths is out of range");
     for (int axis = 0; axis < 2; ++axis) {
-      issues_.require(vdim.range[axis] >= 0 && vdim.range[axis] <= Limits::kMaxTilePeriods, kMapField, place, "range ",
-                      vdim.range[axis], " is not in 0..", Limits::kMaxTilePeriods);
+      issues_.require(vdim.range[axis] >= 0 && vdim.range[axis] <= Limits::kMaxTilePeriods, kMapField, place,
+                      "range ", vdim.range[axis], " is not in 0..", Limits::kMaxTilePeriods);
     }
     if (!counts) return;
     checkMap(vdim.reference, TexelFormat::kRG16Snorm, vdim.side, vdim.side, place + ", reference");
@@ -263,8 +270,8 @@ class MaterialCheck {
     issues_.require(std::isfinite(maps.specular_scale) && maps.specular_scale >= 0, kMapField,
                     "HEAD, surface maps", "specular_scale ", maps.specular_scale,
                     " is negative or not finite");
-    issues_.require(within(maps.lambda_first, 0, Limits::kMaxLambda), kMapField, "HEAD, surface maps", "lambda_first ",
-                    maps.lambda_first, " is not in 0..", Limits::kMaxLambda);
+    issues_.require(within(maps.lambda_first, 0, Limits::kMaxLambda), kMapField, "HEAD, surface maps",
+                    "lambda_first ", maps.lambda_first, " is not in 0..", Limits::kMaxLambda);
     checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, maps.tail_mip, "HEAD, normal map");
     checkSurfaceMap(maps.diffuse, TexelFormat::kRGBA16Unorm, maps.tail_mip, "HEAD, diffuse map");
     checkSurfaceMap(maps.specular, TexelFormat::kRG8Unorm, maps.tail_mip, "HEAD, specular map");
@@ -275,10 +282,10 @@ class MaterialCheck {
     issues_.require(map.format == format, kMapField, place, "the format is not ", texelFormatName(format));
     issues_.require(map.depth == 1, kMapSize, place, "the map has layers");
     // From afar a map is its average: one that ends earlier would pop where it comes in.
-    issues_.require(map.mips == fullMipCount(std::max(map.width, 1), std::max(map.height, 1)), kMapField, place, map.mips,
-                    " mips do not end at one texel");
-    issues_.require(within(tail_mip, 0, map.mips - 1), kMapField, place, "tail_mip ", tail_mip, " is none of its ", map.mips,
-                    " mips");
+    issues_.require(map.mips == fullMipCount(std::max(map.width, 1), std::max(map.height, 1)), kMapField,
+                    place, map.mips, " mips do not end at one texel");
+    issues_.require(within(tail_mip, 0, map.mips - 1), kMapField, place, "tail_mip ", tail_mip,
+                    " is none of its ", map.mips, " mips");
   }
 
   const Material& m_;
@@ -333,7 +340,8 @@ void checkPartTexels(const Material& material, const Part& part, const std::stri
   }
   if (part.type == kBand) checkSpareLayers(material.bands[part.band], place, issues);
   if (part.type == kGeom)
-    if (Status status = checkVdimWork(material.geometry, material.atlas); !status) issues.add(kMapField, place, status.issue().text);
+    if (Status status = checkVdimWork(material.geometry, material.atlas); !status)
+      issues.add(kMapField, place, status.issue().text);
 }
 
 void checkMeta(const std::string& text, IssueList& issues) {

@@ -211,8 +211,10 @@ Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues
     if (static_cast<int>(i) >= contents.present) break;
     if (contents.described && isKnown(chunk.type)) {
       const Part& next = *part++;
-      if (next.share == Part::Share::kRest) loadRest(source, chunk, i, next, contents.skeleton, material, issues);
-      else loadPart(source, chunk, i, next, material, issues);
+      if (next.share == Part::Share::kRest)
+        loadRest(source, chunk, i, next, contents.skeleton, material, issues);
+      else
+        loadPart(source, chunk, i, next, material, issues);
     } else if (i > 0) {
       const auto stored = readStored(source, chunk, issues.where(chunkPlace(i, chunk.type)));
       if (!stored) issues.add(stored.issue());

@@ -22,8 +22,9 @@ Contents readContents(const ByteSource& source, IssueList& issues);
 // Index in `chunks` of a part's chunk, by its place among the parts of its type; -1 if there is none.
 int chunkOfPart(std::span<const ChunkInfo> chunks, const Material& skeleton, const Part& part);
 
-// Reads, checks and decompresses one part into `material`, whose part has the described extents and no data. META goes to
-// meta_json; HEAD is left as it is. Of what is split the material has the leading part alone afterwards.
+// Reads, checks and decompresses one part into `material`, whose part has the described extents and no data.
+// META goes to meta_json; HEAD is left as it is. Of what is split the material has the leading part alone
+// afterwards.
 void loadPart(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
               Material& material, IssueList& issues);
 // The rest, into a material that has the leading part alone; `described` has the whole without data.

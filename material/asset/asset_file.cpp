@@ -70,7 +70,8 @@ Result<Material> AssetFile::load(uint32_t type, int band, Share share, std::opti
     const auto presentChunk = [&](const Part& part) {
       const int chunk = chunkOfPart(chunks_, skeleton_, part);
       const bool present = chunk >= 0 && chunk < present_chunks_;
-      issues.require(present, issue_id::kMissingChunk, chunkName(type), "the asset has no such part, or ends before it");
+      issues.require(present, issue_id::kMissingChunk, chunkName(type),
+                     "the asset has no such part, or ends before it");
       return present ? chunk : -1;
     };
     const Part first = firstPart(skeleton_, type, band);
@@ -85,7 +86,8 @@ Result<Material> AssetFile::load(uint32_t type, int band, Share share, std::opti
     if (share == Share::kAll && first.share == Part::Share::kLead && issues.empty()) {
       const int chunk = presentChunk({type, band, Part::Share::kRest});
       if (chunk < 0) return issues.first();
-      loadRest(*source_, chunks_[chunk], chunk, {type, band_here, Part::Share::kRest}, described, part, issues);
+      loadRest(*source_, chunks_[chunk], chunk, {type, band_here, Part::Share::kRest}, described, part,
+               issues);
     }
     if (!issues.empty()) return issues.first();
     return part;

@@ -61,7 +61,8 @@ std::vector<TexelRun> splitBandRuns(const Band& band, bool lead) {
   std::vector<TexelRun> runs;
   for (int mip = 0; mip < weights.mips; ++mip) {
     runs.push_back(layersOf(0, weights, mip, lead ? 0 : first, lead ? first : quads));
-    runs.push_back(layersOf(0, weights, mip, lead ? quads : layers, lead ? layers : depth));  // ratio; spare layers
+    runs.push_back(
+        layersOf(0, weights, mip, lead ? quads : layers, lead ? layers : depth));  // ratio; spare layers
   }
   runs.push_back(layersOf(1, table, 0, lead ? 0 : first * slices, (lead ? first : quads) * slices));
   return runs;
@@ -70,12 +71,14 @@ std::vector<TexelRun> splitBandRuns(const Band& band, bool lead) {
 // In the order of a part's raw bytes.
 std::vector<TexelRun> runsOf(const Material& material, const Part& part) {
   using enum Part::Share;
-  if (part.type == kBand && part.share != kWhole) return splitBandRuns(material.bands[part.band], part.share == kLead);
+  if (part.type == kBand && part.share != kWhole)
+    return splitBandRuns(material.bands[part.band], part.share == kLead);
   const std::vector<const Texture*> textures = partTextures(material, part);
   std::vector<TexelRun> runs;
   for (size_t i = 0; i < textures.size(); ++i) {
     const int tail = part.share == kWhole ? 0 : material.surface->tail_mip;
-    runs.push_back(mipsOf(i, *textures[i], part.share == kRest ? 0 : tail, part.share == kRest ? tail : textures[i]->mips));
+    runs.push_back(mipsOf(i, *textures[i], part.share == kRest ? 0 : tail,
+                          part.share == kRest ? tail : textures[i]->mips));
   }
   return runs;
 }
@@ -135,7 +138,8 @@ void scatterTexels(std::span<const std::byte> raw, const Part& part, Material& m
   const std::vector<Texture*> textures = partTextures(material, part);
   for (Texture* t : textures) t->data.resize(textureBytes(*t));
   for (const TexelRun& run : runsOf(material, part)) {
-    std::copy_n(raw.begin(), run.bytes, textures[run.texture]->data.begin() + static_cast<ptrdiff_t>(run.offset));
+    std::copy_n(raw.begin(), run.bytes,
+                textures[run.texture]->data.begin() + static_cast<ptrdiff_t>(run.offset));
     raw = raw.subspan(run.bytes);
   }
 }

@@ -26,7 +26,8 @@ constexpr uint32_t fourCharacters(const char (&name)[5]) {
   return uint32_t(name[0]) | uint32_t(name[1]) << 8 | uint32_t(name[2]) << 16 | uint32_t(name[3]) << 24;
 }
 inline constexpr uint32_t kHead = fourCharacters("HEAD");  // everything but texels
-inline constexpr uint32_t kBand = fourCharacters("BAND");  // texels of one band or a share of it: weights, then table
+inline constexpr uint32_t kBand =
+    fourCharacters("BAND");  // texels of one band or a share of it: weights, then table
 inline constexpr uint32_t kGeom = fourCharacters("GEOM");  // texels of the geometry image
 inline constexpr uint32_t kVdim =
     fourCharacters("VDIM");  // texels of the stored VDIM: reference, then packed
@@ -47,8 +48,8 @@ constexpr uint64_t alignUp(uint64_t offset) {
   return (offset + AssetLimits::kAlignment - 1) / AssetLimits::kAlignment * AssetLimits::kAlignment;
 }
 
-// One chunk that this version knows; `band` indexes Material::bands for kBand, else -1. A split band, or split surface
-// maps, are two chunks: the leading part (material/model/leading_part.h), and the rest.
+// One chunk that this version knows; `band` indexes Material::bands for kBand, else -1. A split band, or
+// split surface maps, are two chunks: the leading part (material/model/leading_part.h), and the rest.
 struct Part {
   enum class Share { kWhole, kLead, kRest };
   uint32_t type = 0;

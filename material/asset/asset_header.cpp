@@ -59,7 +59,8 @@ void writeMaps(ByteWriter& out, const Material& material) {
     out.u32(static_cast<uint32_t>(geometry.side()));
     for (int axis = 0; axis < 3; ++axis) out.f32(geometry.range[axis]);
     out.u32(geometry.identity_parameterization ? 1 : 0);
-    for (const int count : {material.atlas.texels, material.atlas.directions}) out.u32(static_cast<uint32_t>(count));
+    for (const int count : {material.atlas.texels, material.atlas.directions})
+      out.u32(static_cast<uint32_t>(count));
   }
   if (material.stored_vdim) {
     const PaperVdim& vdim = *material.stored_vdim;

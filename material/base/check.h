@@ -8,7 +8,8 @@
 
 namespace loden::detail {
 
-[[noreturn]] inline void checkFailed(const char* file, int line, const char* expression, const std::string& values) {
+[[noreturn]] inline void checkFailed(const char* file, int line, const char* expression,
+                                     const std::string& values) {
   std::fprintf(stderr, "%s:%d: check failed: %s%s\n", file, line, expression, values.c_str());
   std::abort();
 }
@@ -22,15 +23,16 @@ std::string bothValues(const A& a, const B& b) {
 
 }  // namespace loden::detail
 
-#define LODEN_CHECK(condition)                                                        \
-  do {                                                                                \
+#define LODEN_CHECK(condition)                                                          \
+  do {                                                                                  \
     if (!(condition)) ::loden::detail::checkFailed(__FILE__, __LINE__, #condition, ""); \
   } while (0)
 
-#define LODEN_CHECK_OP(a, op, b)                                                              \
-  do {                                                                                        \
-    if (!((a)op(b)))                                                                          \
-      ::loden::detail::checkFailed(__FILE__, __LINE__, #a " " #op " " #b, ::loden::detail::bothValues(a, b)); \
+#define LODEN_CHECK_OP(a, op, b)                                          \
+  do {                                                                    \
+    if (!((a)op(b)))                                                      \
+      ::loden::detail::checkFailed(__FILE__, __LINE__, #a " " #op " " #b, \
+                                   ::loden::detail::bothValues(a, b));    \
   } while (0)
 
 #define LODEN_CHECK_EQ(a, b) LODEN_CHECK_OP(a, ==, b)

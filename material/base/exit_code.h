@@ -20,11 +20,15 @@ enum ExitCode {
 
 constexpr ExitCode exitCodeOf(int id) {
   if (id == issue_id::kOption) return kExitUsage;
-  if (id == issue_id::kVersion || id == issue_id::kUnknownCritical || id == issue_id::kGltfRequired) return kExitUnsupported;
-  if (id == issue_id::kImage) return kExitInvalid;  // the file is there, but not the picture that it should be
+  if (id == issue_id::kVersion || id == issue_id::kUnknownCritical || id == issue_id::kGltfRequired)
+    return kExitUnsupported;
+  if (id == issue_id::kImage)
+    return kExitInvalid;  // the file is there, but not the picture that it should be
   if (id < 2000) return kExitIo;
   return id < 7000 ? kExitInvalid : kExitRuntime;
 }
-inline ExitCode exitCodeOf(const Issue& issue) { return exitCodeOf(issue.id); }
+inline ExitCode exitCodeOf(const Issue& issue) {
+  return exitCodeOf(issue.id);
+}
 
 }  // namespace loden

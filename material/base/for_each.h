@@ -5,7 +5,8 @@
 
 namespace loden {
 
-// Calls body(k) for every k in [0, count), once, in any order, and returns when all is done, or when it was told to stop.
+// Calls body(k) for every k in [0, count), once, in any order, and returns when all is done, or when it was
+// told to stop.
 using ForEach = std::function<void(int count, const std::function<void(int)>& body)>;
 
 // One after the other, on this thread.

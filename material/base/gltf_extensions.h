@@ -8,10 +8,11 @@
 namespace loden {
 
 // Those that are drawn, or change nothing in what is.
-inline constexpr std::array<std::string_view, 3> kSupportedGltfExtensions{"KHR_lights_punctual", "KHR_mesh_quantization",
-                                                                          "LODEN_materials_flat_btf"};
+inline constexpr std::array<std::string_view, 3> kSupportedGltfExtensions{
+    "KHR_lights_punctual", "KHR_mesh_quantization", "LODEN_materials_flat_btf"};
 constexpr bool isSupportedGltfExtension(std::string_view name) {
-  return std::find(kSupportedGltfExtensions.begin(), kSupportedGltfExtensions.end(), name) != kSupportedGltfExtensions.end();
+  return std::find(kSupportedGltfExtensions.begin(), kSupportedGltfExtensions.end(), name) !=
+         kSupportedGltfExtensions.end();
 }
 
 }  // namespace loden

@@ -1,4 +1,5 @@
-// How deep a JSON text nests, found before a parser that recurses sees it (a stack holds about 20 000 levels).
+// How deep a JSON text nests, found before a parser that recurses sees it (a stack holds about 20 000
+// levels).
 #pragma once
 
 #include <string>

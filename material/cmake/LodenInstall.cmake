@@ -7,7 +7,8 @@ set(LODEN_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Loden)
 # loden_install_library(COMPONENT HEADERS ...), called in the library's own folder.
 function(loden_install_library component)
   cmake_parse_arguments(arg "" "" "HEADERS" ${ARGN})
-  target_sources(loden_${component} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
+  target_sources(loden_${component} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES
+          ${arg_HEADERS})
   install(TARGETS loden_${component} EXPORT Loden-${component}
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
@@ -22,10 +23,12 @@ function(loden_install_package)
                                 ${PROJECT_BINARY_DIR}/LodenConfig.cmake
                                 INSTALL_DESTINATION ${LODEN_CONFIG_DIR}
                                 PATH_VARS CMAKE_INSTALL_DATADIR)
-  write_basic_package_version_file(${PROJECT_BINARY_DIR}/LodenConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/LodenConfigVersion.cmake COMPATIBILITY
+          SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/LodenConfig.cmake ${PROJECT_BINARY_DIR}/LodenConfigVersion.cmake
                 ${PROJECT_SOURCE_DIR}/importer/cmake/FindOpenSubdiv.cmake
           DESTINATION ${LODEN_CONFIG_DIR})
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
+          ${PROJECT_SOURCE_DIR}/CHANGELOG.md
           DESTINATION ${CMAKE_INSTALL_DOCDIR})
 endfunction()

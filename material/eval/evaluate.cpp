@@ -224,9 +224,12 @@ T parameterShare(const Material& material, T lambda) {
 
 const char* modeName(Mode mode) {
   switch (mode) {
-    case Mode::kSurface: return "surface";
-    case Mode::kLod: return "lod";
-    case Mode::kFused: return "fused";
+    case Mode::kSurface:
+      return "surface";
+    case Mode::kLod:
+      return "lod";
+    case Mode::kFused:
+      return "fused";
   }
   return "unknown";
 }

@@ -51,17 +51,22 @@ constexpr int kFewestCells = 8;  // per side of the grid
 // Neighbouring texels this far apart, in tile periods, are a tear in a damaged image, not surface.
 constexpr double kTear = 0.5;
 
-bool torn(const glm::dvec3& edge) { return !(std::max(std::abs(edge.x), std::abs(edge.y)) < kTear); }
+bool torn(const glm::dvec3& edge) {
+  return !(std::max(std::abs(edge.x), std::abs(edge.y)) < kTear);
+}
 
 uint32_t chartAt(const GeometryImage& image, int i, int j) {
   const auto* texels = reinterpret_cast<const uint16_t*>(image.texels.data.data());
   const int n = image.side();
-  return texels[4 * (static_cast<size_t>(wrapIndex(j, n)) * static_cast<size_t>(n) + static_cast<size_t>(wrapIndex(i, n))) + 3];
+  return texels[4 * (static_cast<size_t>(wrapIndex(j, n)) * static_cast<size_t>(n) +
+                     static_cast<size_t>(wrapIndex(i, n))) +
+                3];
 }
 
-// The surface over a patch, by (a, b) in [0,1]^2, as the cubic through the sixteen texels around it (Catmull and Rom
-// 1974). At its corners it is the texels. Texels of another chart, or beyond a tear, are replaced by those that would go on
-// straight, along the row or the column: so an edge is made of the four texels along it alone, and neighbours agree on it.
+// The surface over a patch, by (a, b) in [0,1]^2, as the cubic through the sixteen texels around it (Catmull
+// and Rom 1974). At its corners it is the texels. Texels of another chart, or beyond a tear, are replaced by
+// those that would go on straight, along the row or the column: so an edge is made of the four texels along
+// it alone, and neighbours agree on it.
 class CubicPatch {
  public:
   CubicPatch(const GeometryImage& image, int i, int j) : z_min_(image.zMin()) {
@@ -73,7 +78,8 @@ class CubicPatch {
       }
     const uint32_t chart = chartAt(image, i, j);
     const auto apart = [&](int row, int column) {
-      return chartAt(image, i - 1 + column, j - 1 + row) != chart || torn(texels_[row][column] - texels_[row == 3 ? 2 : 1][column == 3 ? 2 : 1]);
+      return chartAt(image, i - 1 + column, j - 1 + row) != chart ||
+             torn(texels_[row][column] - texels_[row == 3 ? 2 : 1][column == 3 ? 2 : 1]);
     };
     const auto extend = [&](int row, int column, const glm::dvec3& next, const glm::dvec3& second) {
       if (apart(row, column)) texels_[row][column] = 2.0 * next - second;
@@ -82,7 +88,8 @@ class CubicPatch {
       extend(k, 0, texels_[k][1], texels_[k][2]), extend(k, 3, texels_[k][2], texels_[k][1]);
       extend(0, k, texels_[1][k], texels_[2][k]), extend(3, k, texels_[2][k], texels_[1][k]);
     }
-    for (const int row : {0, 3}) extend(row, 0, texels_[row][1], texels_[row][2]), extend(row, 3, texels_[row][2], texels_[row][1]);
+    for (const int row : {0, 3})
+      extend(row, 0, texels_[row][1], texels_[row][2]), extend(row, 3, texels_[row][2], texels_[row][1]);
   }
 
   glm::dvec3 at(double a, double b) const {
@@ -96,7 +103,8 @@ class CubicPatch {
  private:
   using Weights = std::array<double, 4>;
   static Weights weights(double f) {
-    return {((1 - 0.5 * f) * f - 0.5) * f, (1.5 * f - 2.5) * f * f + 1, ((2 - 1.5 * f) * f + 0.5) * f, 0.5 * (f - 1) * f * f};
+    return {((1 - 0.5 * f) * f - 0.5) * f, (1.5 * f - 2.5) * f * f + 1, ((2 - 1.5 * f) * f + 0.5) * f,
+            0.5 * (f - 1) * f * f};
   }
 
   double z_min_;
@@ -120,7 +128,8 @@ struct GeometryTracer::Impl {
   std::vector<CellReference> references;
   std::vector<CellBounds> bounds;
 
-  Impl(const GeometryImage& image, Interpolation between) : cells(std::max(kFewestCells, image.side() / 2)), z_min(image.zMin()) {
+  Impl(const GeometryImage& image, Interpolation between)
+      : cells(std::max(kFewestCells, image.side() / 2)), z_min(image.zMin()) {
     addTriangles(image, piecesOf(image, between));
     // A surface with large triangles gets larger cells, so that memory stays in proportion.
     while (cells > kFewestCells && countReferences() > 64 * triangles.size()) cells /= 2;
@@ -142,9 +151,12 @@ struct GeometryTracer::Impl {
       for (int i = 0; i < n; ++i) {
         const Patch<double> patch = fetchPatch<double>(image, i, j);
         if (patch.chart == 0) continue;
-        const bool whole = !torn(patch.p10 - patch.p00) && !torn(patch.p01 - patch.p00) && !torn(patch.p11 - patch.p00);
-        if (pieces > 1 && whole) addPieces(CubicPatch(image, i, j), {i, j}, pieces, n);
-        else addQuad(patch.p00, patch.p10, patch.p01, patch.p11, {i, j}, 1.0, n);
+        const bool whole =
+            !torn(patch.p10 - patch.p00) && !torn(patch.p01 - patch.p00) && !torn(patch.p11 - patch.p00);
+        if (pieces > 1 && whole)
+          addPieces(CubicPatch(image, i, j), {i, j}, pieces, n);
+        else
+          addQuad(patch.p00, patch.p10, patch.p01, patch.p11, {i, j}, 1.0, n);
       }
   }
 
@@ -153,12 +165,14 @@ struct GeometryTracer::Impl {
     for (int b = 0; b < pieces; ++b)
       for (int a = 0; a < pieces; ++a) {
         const double a0 = a * step, a1 = (a + 1) * step, b0 = b * step, b1 = (b + 1) * step;
-        addQuad(cubic.at(a0, b0), cubic.at(a1, b0), cubic.at(a0, b1), cubic.at(a1, b1), texel + glm::dvec2(a0, b0), step, n);
+        addQuad(cubic.at(a0, b0), cubic.at(a1, b0), cubic.at(a0, b1), cubic.at(a1, b1),
+                texel + glm::dvec2(a0, b0), step, n);
       }
   }
 
   // `texel`: its lower left corner, `step` texels wide.
-  void addQuad(const glm::dvec3& p00, const glm::dvec3& p10, const glm::dvec3& p01, const glm::dvec3& p11, glm::dvec2 texel, double step, int n) {
+  void addQuad(const glm::dvec3& p00, const glm::dvec3& p10, const glm::dvec3& p01, const glm::dvec3& p11,
+               glm::dvec2 texel, double step, int n) {
     const glm::dvec2 p = (texel + 0.5) / double(n), du(step / n, 0), dv(0, step / n);
     addTriangle({p00, p10 - p00, p11 - p00, p, du, du + dv});
     addTriangle({p00, p11 - p00, p01 - p00, p, du + dv, dv});
@@ -177,7 +191,8 @@ struct GeometryTracer::Impl {
     const glm::dvec3 lo = glm::min(tri.a, glm::min(b, c)), hi = glm::max(tri.a, glm::max(b, c));
     constexpr double kMargin = 1e-6;
     const auto cell = [&](double at) { return static_cast<int>(std::floor(at * cells)); };
-    return {cell(lo.x - kMargin), cell(hi.x + kMargin), cell(lo.y - kMargin), cell(hi.y + kMargin), lo.z, hi.z};
+    return {
+        cell(lo.x - kMargin), cell(hi.x + kMargin), cell(lo.y - kMargin), cell(hi.y + kMargin), lo.z, hi.z};
   }
 
   template <class Visit>
@@ -213,7 +228,8 @@ struct GeometryTracer::Impl {
   }
 
   // First hit with t in (t_begin, t_end]; marches the cells that the ray crosses (Amanatides and Woo 1987).
-  std::optional<TraceHit> march(const glm::dvec3& o, const glm::dvec3& d, double t_begin, double t_end) const {
+  std::optional<TraceHit> march(const glm::dvec3& o, const glm::dvec3& d, double t_begin,
+                                double t_end) const {
     const double infinity = std::numeric_limits<double>::infinity();
     const glm::dvec2 start = (glm::dvec2(o) + glm::dvec2(d) * t_begin) * double(cells);
     glm::ivec2 cell(static_cast<int>(std::floor(start.x)), static_cast<int>(std::floor(start.y)));
@@ -238,8 +254,8 @@ struct GeometryTracer::Impl {
     return std::nullopt;
   }
 
-  std::optional<TraceHit> searchCell(glm::ivec2 cell, const glm::dvec3& o, const glm::dvec3& d, double t_begin,
-                                     double t_enter, double t_exit) const {
+  std::optional<TraceHit> searchCell(glm::ivec2 cell, const glm::dvec3& o, const glm::dvec3& d,
+                                     double t_begin, double t_enter, double t_exit) const {
     constexpr double kOverlap = 1e-7;
     const glm::ivec2 period(floorDivide(cell.x), floorDivide(cell.y));
     const size_t base = static_cast<size_t>(cell.y - period.y * cells) * cells + (cell.x - period.x * cells);
@@ -267,7 +283,8 @@ struct GeometryTracer::Impl {
   }
 };
 
-GeometryTracer::GeometryTracer(const GeometryImage& image, Interpolation between) : impl_(std::make_unique<Impl>(image, between)) {}
+GeometryTracer::GeometryTracer(const GeometryImage& image, Interpolation between)
+    : impl_(std::make_unique<Impl>(image, between)) {}
 GeometryTracer::~GeometryTracer() = default;
 GeometryTracer::GeometryTracer(GeometryTracer&&) noexcept = default;
 GeometryTracer& GeometryTracer::operator=(GeometryTracer&&) noexcept = default;

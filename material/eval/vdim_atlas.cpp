@@ -196,11 +196,15 @@ void drawLayer(const ShearedPatches& patches, const VdimAtlasSize& size, double 
 }
 
 // Columns of the volume over one period, by a cell's indices of any period, and by a place.
-int columnCell(double at) { return static_cast<int>(std::floor(at * kVolumeSide)); }
+int columnCell(double at) {
+  return static_cast<int>(std::floor(at * kVolumeSide));
+}
 size_t column(int x, int y) {
   return size_t(y & (kVolumeSide - 1)) * kVolumeSide + size_t(x & (kVolumeSide - 1));
 }
-size_t columnAt(const glm::dvec3& place) { return column(columnCell(place.x), columnCell(place.y)); }
+size_t columnAt(const glm::dvec3& place) {
+  return column(columnCell(place.x), columnCell(place.y));
+}
 
 // Surface points in columns over one period, to find the one nearest to a place.
 class PointColumns {

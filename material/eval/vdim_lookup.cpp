@@ -1,5 +1,5 @@
-// The lookups. Those of the atlas and of the published map are mirrored name for name by shaders/loden_vdim.glsl; keep the
-// order of operations.
+// The lookups. Those of the atlas and of the published map are mirrored name for name by
+// shaders/loden_vdim.glsl; keep the order of operations.
 
 #include <algorithm>
 #include <array>
@@ -10,20 +10,22 @@
 namespace loden {
 namespace {
 
-constexpr int kNewtonSteps = 4;     // inside one patch; they cost no fetch
-constexpr float kReach = 3;         // texels that a search may move by in one patch
-constexpr float kInside = 0.2f;     // texels beyond a patch at which its extension still counts as the surface
-constexpr float kResidual = 0.2f;   // texels between ray and surface, along the plane, at which a search has converged
+constexpr int kNewtonSteps = 4;  // inside one patch; they cost no fetch
+constexpr float kReach = 3;      // texels that a search may move by in one patch
+constexpr float kInside = 0.2f;  // texels beyond a patch at which its extension still counts as the surface
+constexpr float kResidual =
+    0.2f;  // texels between ray and surface, along the plane, at which a search has converged
 constexpr float kBentResidual = 0.1f;  // the same of a bent ray, across it
-constexpr int kPatches = 5;         // that one search visits at most
+constexpr int kPatches = 5;            // that one search visits at most
 // Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
 constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
 constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
 constexpr float kNone = -1e8f;                // below every depth
 constexpr int kAnchors = 6;                   // along a bent ray
-constexpr float kStraight = 0.2f;             // share by which a ray's descent may change on its way down: one anchor will do
-constexpr float kLeastDescent = 0.02f;        // of the straight line that stands for a ray where it turns
-constexpr float kShallow = 0.5f;              // of the depth range: rays that turn below it are not taken to leave again
+constexpr float kStraight =
+    0.2f;  // share by which a ray's descent may change on its way down: one anchor will do
+constexpr float kLeastDescent = 0.02f;  // of the straight line that stands for a ray where it turns
+constexpr float kShallow = 0.5f;  // of the depth range: rays that turn below it are not taken to leave again
 
 struct SearchLimits {
   int layers;
@@ -34,9 +36,10 @@ SearchLimits searchLimits(Lookup lookup) {
   return {3, 16};
 }
 
-// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent. Where
-// the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h slope from x along
-// the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at h = -1 / bend and leaves again.
+// A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent.
+// Where the ray is h below the tangent plane at x and z below a surface of curvature K, it is (I - z K) h
+// slope from x along the plane, and z = h + bend h^2 / 2. A ray that goes by a convex surface turns at h = -1
+// / bend and leaves again.
 template <class T>
 struct ViewRay {
   glm::vec<2, T> x;      // in [0, 1)^2
@@ -63,11 +66,12 @@ ViewRay<T> viewRay(const LocalSurface<T>& surface, glm::vec<2, T> x, const glm::
   const T scale = std::min(T(1), T(std::sin(kThetaMax)) / std::max(sine, T(1e-6)));
   const glm::vec<2, T> slope = glm::vec<2, T>(wo.x, wo.y) * (scale / cosine);
   const glm::vec<2, T> turn = surface.curvature * slope;
-  return {x - glm::floor(x), surface.x_from_tangent * slope, surface.x_from_tangent * turn, glm::dot(slope, turn),
-          surface.curvature != glm::mat<2, 2, T>(0)};
+  return {x - glm::floor(x), surface.x_from_tangent * slope, surface.x_from_tangent * turn,
+          glm::dot(slope, turn), surface.curvature != glm::mat<2, 2, T>(0)};
 }
 
-// A straight ray that stands for a bent one: at height z it is at x, and level with the bent one's point at h.
+// A straight ray that stands for a bent one: at height z it is at x, and level with the bent one's point at
+// h.
 template <class T>
 struct StraightRay {
   glm::vec<2, T> x, slope;
@@ -85,10 +89,13 @@ template <class T>
 StraightRay<T> tangentRay(const ViewRay<T>& ray, T h) {
   if (!ray.bent) return {ray.x, ray.slope};
   const T descent = ray.descent(h);
-  return straightAt(ray, h, ray.onItsWayOut(h) ? std::min(descent, T(-kLeastDescent)) : std::max(descent, T(kLeastDescent)));
+  return straightAt(
+      ray, h,
+      ray.onItsWayOut(h) ? std::min(descent, T(-kLeastDescent)) : std::max(descent, T(kLeastDescent)));
 }
 
-// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is read. Elsewhere x alone.
+// The anchors along a ray over a convex surface: points, evenly spaced from x on, for which the atlas is
+// read. Elsewhere x alone.
 template <class T>
 struct RayPath {
   T end;  // h where the ray is below the tile, or above it again
@@ -101,8 +108,9 @@ RayPath<T> rayPath(const ViewRay<T>& ray, T range) {
   return {end, ray.bend * end > T(-kStraight) ? 1 : kAnchors};
 }
 
-// What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from each the tangent, but
-// no more grazing than the atlas's views. That is below the ray, and what it meets not behind what the ray meets.
+// What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from
+// each the tangent, but no more grazing than the atlas's views. That is below the ray, and what it meets not
+// behind what the ray meets.
 template <class T>
 StraightRay<T> seedRay(const ViewRay<T>& ray, const RayPath<T>& path, T range, int anchor) {
   if (path.anchors == 1) {
@@ -111,7 +119,9 @@ StraightRay<T> seedRay(const ViewRay<T>& ray, const RayPath<T>& path, T range, i
   }
   const T h = path.end * (T(anchor) / T(kAnchors));
   const glm::vec<2, T> drift = ray.drift(h);
-  return straightAt(ray, h, std::max(ray.descent(h), std::sqrt(glm::dot(drift, drift)) * T(std::cos(kThetaMax) / std::sin(kThetaMax))));
+  return straightAt(ray, h,
+                    std::max(ray.descent(h), std::sqrt(glm::dot(drift, drift)) *
+                                                 T(std::cos(kThetaMax) / std::sin(kThetaMax))));
 }
 
 // h of the ray where its straight ray is at the depth z.
@@ -126,8 +136,8 @@ glm::vec<3, T> viewAlong(glm::vec<2, T> slope) {
   return glm::vec<3, T>(slope, T(1)) / std::sqrt(T(1) + glm::dot(slope, slope));
 }
 
-// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the one
-// across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
+// The layers of the atlas nearest to the view: its own cell, the neighbour across the nearer border and the
+// one across the other, with their weights in a bilinear blend whose fourth term the two neighbours share.
 template <class T>
 struct NearestLayers {
   int index[3] = {0, 0, 0};
@@ -154,8 +164,10 @@ NearestLayers<T> nearestLayers(int directions, glm::vec<2, T> square) {
 template <class T>
 glm::vec<4, T> gatherDepths(const VdimAtlas& atlas, int layer, glm::vec<2, T> x) {
   const int n = atlas.size.texels;
-  const int i = static_cast<int>(std::floor(x.x * T(n) - T(0.5))), j = static_cast<int>(std::floor(x.y * T(n) - T(0.5)));
-  const auto* codes = reinterpret_cast<const uint8_t*>(atlas.depth.data.data()) + static_cast<size_t>(layer) * n * n;
+  const int i = static_cast<int>(std::floor(x.x * T(n) - T(0.5))),
+            j = static_cast<int>(std::floor(x.y * T(n) - T(0.5)));
+  const auto* codes =
+      reinterpret_cast<const uint8_t*>(atlas.depth.data.data()) + static_cast<size_t>(layer) * n * n;
   const auto z = [&](int ci, int cj) {
     const T code = T(codes[((cj + n) % n) * n + (ci + n) % n]) / T(255);
     return (code - T(1)) * T(atlas.geometry.range.z);
@@ -170,9 +182,9 @@ glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) 
   const Texture& v = atlas.volume;
   const glm::vec<2, T> wrapped = point - glm::floor(point);
   const T slice = std::clamp(z / -T(atlas.geometry.range.z) * T(v.depth), T(0), T(v.depth) - T(0.5));
-  const glm::vec4 d = fetchTexel(v, 0, std::min(static_cast<int>(wrapped.x * T(v.width)), v.width - 1),
-                                 std::min(static_cast<int>(wrapped.y * T(v.height)), v.height - 1),
-                                 static_cast<int>(slice));
+  const glm::vec4 d =
+      fetchTexel(v, 0, std::min(static_cast<int>(wrapped.x * T(v.width)), v.width - 1),
+                 std::min(static_cast<int>(wrapped.y * T(v.height)), v.height - 1), static_cast<int>(slice));
   return point + glm::vec<2, T>(T(d.x), T(d.y)) * T(0.5);
 }
 
@@ -180,15 +192,17 @@ glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) 
 enum class Meeting { kAway, kNear, kHere };
 
 // Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
-// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo: a ray that turned to the back of
-// the surface is away from what the viewer sees. `h` is where the search is on the ray, before and after; `miss` by how
-// many texels the ray fails to meet a patch that faces it.
+// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo: a ray that turned to the back
+// of the surface is away from what the viewer sees. `h` is where the search is on the ray, before and after;
+// `miss` by how many texels the ray fails to meet a patch that faces it.
 template <class T>
-Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side, glm::vec<2, T>& ab, T& h,
-                  T& miss) {
+Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side,
+                  glm::vec<2, T>& ab, T& h, T& miss) {
   using V2 = glm::vec<2, T>;
   const StraightRay<T> line = tangentRay(ray, h);
-  const auto shear = [&](const glm::vec<3, T>& p) { return V2(p.x, p.y) + shift - line.slope * (p.z - line.z) - line.x; };
+  const auto shear = [&](const glm::vec<3, T>& p) {
+    return V2(p.x, p.y) + shift - line.slope * (p.z - line.z) - line.x;
+  };
   const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
   const V2 q11 = shear(patch.p11) - q00 - q10 - q01;
   const V2 lower = ab - T(kReach), upper = ab + T(kReach);
@@ -201,7 +215,8 @@ Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>&
     ab -= V2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse;
     ab = glm::clamp(ab, lower, upper);
   }
-  const T z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
+  const T z =
+      glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
   const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
   T residual = std::max(std::abs(q.x), std::abs(q.y)) * side;
   if (patch.chart == 0) return Meeting::kNear;
@@ -224,8 +239,9 @@ Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>&
   return here ? Meeting::kHere : Meeting::kNear;
 }
 
-// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the ray meets
-// from behind, unless patient. hit gets p and height where it converges, or else of the smallest miss so far, `nearest`.
+// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the
+// ray meets from behind, unless patient. hit gets p and height where it converges, or else of the smallest
+// miss so far, `nearest`.
 template <class T>
 void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T h, glm::vec<2, T> p, bool patient,
                 VdimHit<T>& hit, T& nearest) {
@@ -287,7 +303,8 @@ T clusterMean(const Depths<T>& depths, T low, glm::vec<2, T> f, const T (&layer_
 
 // loden_vdim_lookup of the shaders.
 template <class T>
-VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                       const LocalSurface<T>& surface) {
   const ViewRay<T> ray = viewRay(surface, x, wo);
   const T range = T(atlas.geometry.range.z);
   const RayPath<T> path = rayPath(ray, range);
@@ -296,13 +313,15 @@ VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, 
   T nearest = T(1e9);
   const auto search = [&](T h, bool patient) {
     hit.fetches += atlas.volume.empty() ? 0 : 1;
-    searchFrom(atlas.geometry, ray, h, parameterNear(atlas, ray.x + ray.offset(h), ray.z(h)), patient, hit, nearest);
+    searchFrom(atlas.geometry, ray, h, parameterNear(atlas, ray.x + ray.offset(h), ray.z(h)), patient, hit,
+               nearest);
   };
   // Anchor by anchor along the ray; the first search that converges wins.
   int anchor = 0;
   do {
     const StraightRay<T> line = seedRay(ray, path, range, anchor);
-    const NearestLayers<T> layers = nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(line.slope)));
+    const NearestLayers<T> layers =
+        nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(line.slope)));
     glm::vec<2, T> entry = line.x - line.slope * line.z;  // where it meets the plane
     if (ray.bent) entry -= glm::floor(entry);
     Depths<T> depths{{}, limits.layers};
@@ -311,8 +330,8 @@ VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, 
       for (int k = 0; k < 4; ++k) depths.layer[l][k] = seedHeight(ray, path, line, z[k]);
     }
     hit.fetches += limits.layers;
-    // First the blended depth of the topmost surface, at the first anchor; then single depths from the one nearest to the viewer down;
-    // then, where there is no other anchor, these once more with patience.
+    // First the blended depth of the topmost surface, at the first anchor; then single depths from the one
+    // nearest to the viewer down; then, where there is no other anchor, these once more with patience.
     const T top = highestBelow(depths, T(1));
     const T depth = range * line.h_per_z;  // codes are as far apart in h as they are in it
     T h = top, below = top - T(kSeparation) * depth;
@@ -352,13 +371,15 @@ VdimHit<T> paperLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3
   using V2 = glm::vec<2, T>;
   const V2 base = glm::floor(x);
   const V2 texel = glm::min(glm::floor((x - base) * T(vdim.side)), V2(T(vdim.side) - 1));
-  const V2 reference = V2(nearestRepeat(vdim.reference, 0, 0, V2((texel + T(0.5)) / T(vdim.side)))) * T(vdim.range.x);
+  const V2 reference =
+      V2(nearestRepeat(vdim.reference, 0, 0, V2((texel + T(0.5)) / T(vdim.side)))) * T(vdim.range.x);
   // Not by acos, which GPUs compute to 1e-4 only: entries of neighbouring views may be whole periods apart.
   const T theta = std::min(std::atan2(std::sqrt(wo.x * wo.x + wo.y * wo.y), wo.z), T(kThetaMax));
   T phi = wo.x == 0 && wo.y == 0 ? T(0) : std::atan2(wo.y, wo.x);
   if (phi < 0) phi += T(2 * kPi);
   const V2 size(T(vdim.azimuths), T(vdim.zeniths));
-  // FBTF 3.5 leaves open which alpha and beta keep texels' blocks apart: (n - 1) / n and 1 / (2n), here in texels.
+  // FBTF 3.5 leaves open which alpha and beta keep texels' blocks apart: (n - 1) / n and 1 / (2n), here in
+  // texels.
   const V2 within = V2(phi / T(2 * kPi), theta / T(kThetaMax)) * (size - T(1)) + T(0.5);
   const V2 uv = (texel * size + within) / (T(vdim.side) * size);
   const glm::vec<4, T> entry = sampleRepeat(vdim.packed, 0, 0, uv);
@@ -371,7 +392,8 @@ VdimHit<T> paperLookup(const PaperVdim& vdim, glm::vec<2, T> x, const glm::vec<3
 }
 
 template <class T>
-VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                        const LocalSurface<T>& surface) {
   const ViewRay<T> ray = viewRay({glm::mat<2, 2, T>(0), surface.x_from_tangent}, x, wo);
   const glm::vec<2, T> base = glm::floor(x);
   VdimHit<T> hit;
@@ -390,11 +412,16 @@ VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const gl
 
 std::string_view lookupName(Lookup lookup) {
   switch (lookup) {
-    case Lookup::kNone: return "none";
-    case Lookup::kPaper: return "paper";
-    case Lookup::kFast: return "fast";
-    case Lookup::kDefault: return "default";
-    case Lookup::kQuality: return "quality";
+    case Lookup::kNone:
+      return "none";
+    case Lookup::kPaper:
+      return "paper";
+    case Lookup::kFast:
+      return "fast";
+    case Lookup::kDefault:
+      return "default";
+    case Lookup::kQuality:
+      return "quality";
   }
   return "unknown";
 }
@@ -407,30 +434,41 @@ std::optional<Lookup> lookupNamed(std::string_view name) {
 
 bool VdimMaps::serve(Lookup lookup) const {
   switch (lookup) {
-    case Lookup::kNone: return false;
-    case Lookup::kPaper: return paper != nullptr;
+    case Lookup::kNone:
+      return false;
+    case Lookup::kPaper:
+      return paper != nullptr;
     case Lookup::kFast:
-    case Lookup::kDefault: return atlas != nullptr;
-    case Lookup::kQuality: return tracer != nullptr;
+    case Lookup::kDefault:
+      return atlas != nullptr;
+    case Lookup::kQuality:
+      return tracer != nullptr;
   }
   return false;
 }
 
 template <class T>
-VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo, const LocalSurface<T>& surface) {
+VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                      const LocalSurface<T>& surface) {
   if (maps.serve(lookup)) switch (lookup) {
-      case Lookup::kNone: break;
-      case Lookup::kPaper: return paperLookup(*maps.paper, x, wo);
+      case Lookup::kNone:
+        break;
+      case Lookup::kPaper:
+        return paperLookup(*maps.paper, x, wo);
       case Lookup::kFast:
-      case Lookup::kDefault: return atlasLookup(*maps.atlas, lookup, x, wo, surface);
-      case Lookup::kQuality: return tracedLookup(*maps.tracer, x, wo, surface);
+      case Lookup::kDefault:
+        return atlasLookup(*maps.atlas, lookup, x, wo, surface);
+      case Lookup::kQuality:
+        return tracedLookup(*maps.tracer, x, wo, surface);
     }
   VdimHit<T> hit;
   hit.p = x, hit.position = {x, T(0)};
   return hit;
 }
 
-template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&, const LocalSurface<float>&);
-template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&, const LocalSurface<double>&);
+template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&,
+                                   const LocalSurface<float>&);
+template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,
+                                    const LocalSurface<double>&);
 
 }  // namespace loden

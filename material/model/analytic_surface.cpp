@@ -17,7 +17,8 @@ SurfaceFrame cylinderFrame(glm::dvec2 st) {
 
 SurfaceFrame sphereFrame(glm::dvec2 st) {
   const double phi = 2 * kPi * st.x, latitude = kPi * (st.y - 0.5);
-  const glm::dvec3 normal(std::cos(latitude) * std::cos(phi), std::cos(latitude) * std::sin(phi), std::sin(latitude));
+  const glm::dvec3 normal(std::cos(latitude) * std::cos(phi), std::cos(latitude) * std::sin(phi),
+                          std::sin(latitude));
   const glm::dvec3 tangent(-std::sin(phi), std::cos(phi), 0);
   return {kRadius * normal, normal, tangent, glm::cross(normal, tangent)};
 }
@@ -33,9 +34,12 @@ std::optional<SurfaceKind> surfaceKindByName(std::string_view name) {
 
 AnalyticSurface analyticSurface(SurfaceKind kind) {
   switch (kind) {
-    case SurfaceKind::kCylinder: return {kind, {24, 16}};
-    case SurfaceKind::kSphere: return {kind, {24, 12}};
-    case SurfaceKind::kPlane: break;
+    case SurfaceKind::kCylinder:
+      return {kind, {24, 16}};
+    case SurfaceKind::kSphere:
+      return {kind, {24, 12}};
+    case SurfaceKind::kPlane:
+      break;
   }
   return {SurfaceKind::kPlane, {16, 16}};
 }

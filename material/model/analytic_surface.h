@@ -26,8 +26,8 @@ struct AnalyticSurface {
 AnalyticSurface analyticSurface(SurfaceKind kind);
 
 struct SurfaceFrame {
-  glm::dvec3 position, normal;          // metres; unit, outwards
-  glm::dvec3 tangent, bitangent;        // unit, along s and t
+  glm::dvec3 position, normal;    // metres; unit, outwards
+  glm::dvec3 tangent, bitangent;  // unit, along s and t
 };
 SurfaceFrame surfaceFrame(const AnalyticSurface& surface, glm::dvec2 st);
 

@@ -16,9 +16,12 @@ template float windowWeight(const Window&, float);
 template double windowWeight(const Window&, double);
 
 DirectionGrid tableGrid(const Band& band, float theta_max) {
-  return {static_cast<int>(std::lround(std::sqrt(double(std::max(band.table.height, 0))))), band.table.width, theta_max};
+  return {static_cast<int>(std::lround(std::sqrt(double(std::max(band.table.height, 0))))), band.table.width,
+          theta_max};
 }
 
-DirectionGrid lightTableGrid(const Band& band, float theta_max) { return {band.light_table.height, band.light_table.width, theta_max}; }
+DirectionGrid lightTableGrid(const Band& band, float theta_max) {
+  return {band.light_table.height, band.light_table.width, theta_max};
+}
 
 }  // namespace loden

@@ -9,7 +9,9 @@
 namespace loden {
 namespace {
 
-constexpr double radians(double degrees) { return degrees * kPi / 180.0; }
+constexpr double radians(double degrees) {
+  return degrees * kPi / 180.0;
+}
 
 DirectionSet setFromRings(DirectionSetKind kind, const std::vector<Ring>& rings) {
   DirectionSet set{kind, 0, {}};
@@ -46,22 +48,25 @@ const std::vector<Ring>& bonn81Rings() {
 }
 
 const std::vector<Ring>& ubo151Rings() {
-  static const std::vector<Ring> kRings = {
-      {0, 1, 0},
-      {radians(11), 6, radians(15)},
-      {radians(23.5), 12, 0},
-      {radians(30), 12, radians(15)},
-      {radians(37.5), 12, 0},
-      {radians(45), 18, 0},
-      {radians(52.5), 18, radians(7.5)},
-      {radians(60), 24, 0},
-      {radians(67.5), 24, radians(7.5)},
-      {radians(75), 24, 0}};
+  static const std::vector<Ring> kRings = {{0, 1, 0},
+                                           {radians(11), 6, radians(15)},
+                                           {radians(23.5), 12, 0},
+                                           {radians(30), 12, radians(15)},
+                                           {radians(37.5), 12, 0},
+                                           {radians(45), 18, 0},
+                                           {radians(52.5), 18, radians(7.5)},
+                                           {radians(60), 24, 0},
+                                           {radians(67.5), 24, radians(7.5)},
+                                           {radians(75), 24, 0}};
   return kRings;
 }
 
-DirectionSet bonn81Directions() { return setFromRings(DirectionSetKind::kBonn81, bonn81Rings()); }
-DirectionSet ubo151Directions() { return setFromRings(DirectionSetKind::kUbo151, ubo151Rings()); }
+DirectionSet bonn81Directions() {
+  return setFromRings(DirectionSetKind::kBonn81, bonn81Rings());
+}
+DirectionSet ubo151Directions() {
+  return setFromRings(DirectionSetKind::kUbo151, ubo151Rings());
+}
 
 DirectionSet concentricDirections(int n, double theta_max) {
   LODEN_CHECK_LT(0, n);
@@ -92,10 +97,14 @@ std::optional<DirectionSet> directionsByName(std::string_view name) {
 
 std::string directionsName(const DirectionSet& set) {
   switch (set.kind) {
-    case DirectionSetKind::kBonn81: return "bonn81";
-    case DirectionSetKind::kUbo151: return "ubo151";
-    case DirectionSetKind::kConcentric: return std::to_string(set.side) + "x" + std::to_string(set.side);
-    case DirectionSetKind::kList: break;
+    case DirectionSetKind::kBonn81:
+      return "bonn81";
+    case DirectionSetKind::kUbo151:
+      return "ubo151";
+    case DirectionSetKind::kConcentric:
+      return std::to_string(set.side) + "x" + std::to_string(set.side);
+    case DirectionSetKind::kList:
+      break;
   }
   return "list of " + std::to_string(set.size());
 }

@@ -34,7 +34,7 @@ enum class DirectionSetKind : uint32_t { kBonn81 = 1, kUbo151 = 2, kConcentric =
 // row by row of the square for a concentric grid.
 struct DirectionSet {
   DirectionSetKind kind = DirectionSetKind::kList;
-  int side = 0;                   // of a concentric grid, else 0
+  int side = 0;                     // of a concentric grid, else 0
   std::vector<glm::dvec3> samples;  // unit
   int size() const { return static_cast<int>(samples.size()); }
 };

@@ -13,7 +13,9 @@ namespace {
 constexpr double kSunCosine = 0.965925826289068;  // of 15 degrees
 constexpr double kSunContrast = 2, kSunShare = 0.03;
 
-double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+double luminance(const glm::dvec3& c) {
+  return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+}
 
 // Pixels that are usable, each with its solid angle.
 struct Pixel {
@@ -25,7 +27,8 @@ std::vector<Pixel> usablePixels(const Panorama& panorama) {
   std::vector<Pixel> pixels;
   pixels.reserve(panorama.pixels.size());
   for (int row = 0; row < panorama.height; ++row) {
-    const double top = std::cos(kPi * row / panorama.height), bottom = std::cos(kPi * (row + 1) / panorama.height);
+    const double top = std::cos(kPi * row / panorama.height),
+                 bottom = std::cos(kPi * (row + 1) / panorama.height);
     const double solid_angle = 2 * kPi / panorama.width * (top - bottom);
     for (int column = 0; column < panorama.width; ++column) {
       glm::dvec3 c(panorama.pixels[size_t(row) * panorama.width + column]);
@@ -106,8 +109,8 @@ EnvironmentLight project(const std::vector<Pixel>& pixels) {
   EnvironmentLight light;
   light.constant = glm::vec3(mean);
   for (int c = 0; c < 3; ++c) {
-    light.linear[c] = glm::vec3(3.0 * first[c]);         // the mean of (w.a)^2 is a.a / 3
-    light.quadratic[c] = glm::mat3(7.5 * second[c]);     // the mean of (w.Aw)^2 is 2/15 A:A for traceless A
+    light.linear[c] = glm::vec3(3.0 * first[c]);      // the mean of (w.a)^2 is a.a / 3
+    light.quadratic[c] = glm::mat3(7.5 * second[c]);  // the mean of (w.Aw)^2 is 2/15 A:A for traceless A
   }
   return light;
 }

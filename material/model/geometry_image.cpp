@@ -10,12 +10,14 @@ namespace {
 
 constexpr double kCodeMax = 65535.0;
 
-uint16_t encode(double unit) { return static_cast<uint16_t>(std::lround(std::clamp(unit, 0.0, 1.0) * kCodeMax)); }
+uint16_t encode(double unit) {
+  return static_cast<uint16_t>(std::lround(std::clamp(unit, 0.0, 1.0) * kCodeMax));
+}
 
 }  // namespace
 
-GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> positions, std::span<const uint16_t> charts,
-                                  bool identity_parameterization) {
+GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> positions,
+                                  std::span<const uint16_t> charts, bool identity_parameterization) {
   const size_t count = static_cast<size_t>(side) * side;
   LODEN_CHECK_EQ(positions.size(), count);
   LODEN_CHECK_EQ(charts.size(), count);

@@ -15,8 +15,8 @@ namespace loden {
 struct GeometryImage {
   // side x side x 1, RGBA16 unorm; texel (i, j) stands for p = ((i + .5), (j + .5)) / side.
   // rgb = (P.xy - p, P.z) as (code - .5) * range.xy for xy and (code - 1) * range.z for z;
-  // a = chart / 65535, 0 where no surface is: there rgb only leads searches back to a chart. Patches exist only where
-  // all four corners share a chart.
+  // a = chart / 65535, 0 where no surface is: there rgb only leads searches back to a chart. Patches exist
+  // only where all four corners share a chart.
   Texture texels;
   glm::vec3 range{1, 1, 1};  // tile periods; range.z = -z_min
   // True if P.xy == p everywhere: the tile is a height field parameterized by its own x and y.
@@ -29,8 +29,8 @@ struct GeometryImage {
 
 // Encodes positions (P, tile periods, P.xy near p) with charts (0 = none) of a side x side image,
 // row-major; picks the range, from charts != 0; other positions are clamped to it. z must be <= 0.
-GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> positions, std::span<const uint16_t> charts,
-                                  bool identity_parameterization);
+GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> positions,
+                                  std::span<const uint16_t> charts, bool identity_parameterization);
 
 // The four corners of a bilinear patch, P + shift applied, and its chart (0 if the patch is no surface).
 template <class T>
@@ -49,8 +49,8 @@ inline int wrapIndex(int i, int n) {
 template <class T>
 Patch<T> fetchPatch(const GeometryImage& image, int i, int j);
 
-// Position and unit normal (facing up where it can) at p. Chart 0 if p lies on no patch; then they are those between the
-// texels around it all the same, which lead to the charts beside.
+// Position and unit normal (facing up where it can) at p. Chart 0 if p lies on no patch; then they are those
+// between the texels around it all the same, which lead to the charts beside.
 template <class T>
 struct SurfacePoint {
   glm::vec<3, T> position{0}, normal{0, 0, 1};
@@ -61,7 +61,7 @@ SurfacePoint<T> surfaceAt(const GeometryImage& image, glm::vec<2, T> p);
 
 // Where a ray first meets the periodic surface of the geometry image.
 struct TraceHit {
-  glm::dvec2 p{0};       // unwrapped parameter, of the copy that was hit
+  glm::dvec2 p{0};         // unwrapped parameter, of the copy that was hit
   glm::dvec3 position{0};  // tile periods, on the ray
   glm::dvec3 normal{0};    // unit, geometric, towards the ray's origin
 };
@@ -69,13 +69,14 @@ struct TraceHit {
 // The surface between the texels of a geometry image.
 enum class Interpolation {
   kBilinear,  // what the runtime sees; each patch is two triangles
-  kCubic,     // smooth, and nearer to the tile: .04 to .06 texels off where triangles are .10 to .11 (`loden study
-              // vdim-interpolation`). 32 triangles a patch, 60 MB for 128 x 128 texels; 8 of images with over 512 texels a side
+  kCubic,     // smooth, and nearer to the tile: .04 to .06 texels off where triangles are .10 to .11 (`loden
+           // study vdim-interpolation`). 32 triangles a patch, 60 MB for 128 x 128 texels; 8 of images with
+           // over 512 texels a side
 };
 inline constexpr int kMostCubicSide = 1024;  // texels; what larger images would take is out of proportion
 
-// Exact first hits against the geometry image, periodic, by marching a grid of cells with height bounds. Thread safe
-// after construction.
+// Exact first hits against the geometry image, periodic, by marching a grid of cells with height bounds.
+// Thread safe after construction.
 class GeometryTracer {
  public:
   // kCubic: image.side() <= kMostCubicSide.

@@ -65,7 +65,9 @@ uint64_t gpuBytes(const Band& band) {
   const uint64_t light_table = band.light_quads > 0 ? textureBytes(band.light_table) : 0;
   return textureBytes(band.weights) + textureBytes(band.table) + light_table + environmentTableBytes(band);
 }
-uint64_t gpuBytes(const SurfaceMaps& maps) { return textureBytes(maps.normal) + textureBytes(maps.diffuse) + textureBytes(maps.specular); }
+uint64_t gpuBytes(const SurfaceMaps& maps) {
+  return textureBytes(maps.normal) + textureBytes(maps.diffuse) + textureBytes(maps.specular);
+}
 
 void splitLeadingParts(Material& material) {
   if (!material.bands.empty() && material.bands.back().domain == Domain::kReference) {

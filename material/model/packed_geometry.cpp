@@ -10,9 +10,12 @@ constexpr uint32_t kExists = 1u << 31;
 constexpr uint32_t kMaskXy = 1023, kMaskZ = 2047;
 constexpr float kMiddleXy = 511, kStepsXy = 1022, kStepsZ = 2047, kStepsImage = 65535;
 
-uint32_t code(double value) { return static_cast<uint32_t>(std::lround(value)); }
+uint32_t code(double value) {
+  return static_cast<uint32_t>(std::lround(value));
+}
 
-// Of P.xy - p along one axis. Charts may lie periods away from their surface; lookups do not care which copy they find.
+// Of P.xy - p along one axis. Charts may lie periods away from their surface; lookups do not care which copy
+// they find.
 uint32_t packOffset(uint16_t image_code, double image_range, double range) {
   double offset = (image_code / double(kStepsImage) - 0.5) * image_range;
   if (image_range > range) offset -= std::nearbyint(offset);
@@ -54,7 +57,9 @@ Patch<T> fetchPatch(const PackedGeometry& geometry, int i, int j) {
   const int n = geometry.side();
   const auto* codes = reinterpret_cast<const uint32_t*>(geometry.texels.data.data());
   const glm::vec<3, T> range(geometry.range);
-  const auto codeAt = [&](int ci, int cj) { return codes[static_cast<size_t>(wrapIndex(cj, n)) * n + wrapIndex(ci, n)]; };
+  const auto codeAt = [&](int ci, int cj) {
+    return codes[static_cast<size_t>(wrapIndex(cj, n)) * n + wrapIndex(ci, n)];
+  };
   using V2 = glm::vec<2, T>;
   const auto offset = [&](uint32_t c) {
     return (V2(T(c & kMaskXy), T(c >> 10 & kMaskXy)) - T(kMiddleXy)) * (T(1) / T(kStepsXy)) * V2(range);
@@ -69,7 +74,8 @@ Patch<T> fetchPatch(const PackedGeometry& geometry, int i, int j) {
     beside -= glm::floor(beside - first + T(0.5));  // all corners in the period of the first
     return glm::vec<3, T>(p + beside, (T(c >> 20 & kMaskZ) * (T(1) / T(kStepsZ)) - T(1)) * range.z);
   };
-  return {corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1), codeAt(i, j) & kExists ? 1u : 0u};
+  return {corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1),
+          codeAt(i, j) & kExists ? 1u : 0u};
 }
 
 template Patch<float> fetchPatch(const PackedGeometry&, int, int);

@@ -24,7 +24,8 @@ PackedGeometry packGeometry(const GeometryImage& image);
 // Its range, without packing.
 glm::vec3 packedRange(const GeometryImage& image);
 
-// As fetchPatch of the geometry image, but the whole patch may be periods off; the chart is 1 where it exists, else 0.
+// As fetchPatch of the geometry image, but the whole patch may be periods off; the chart is 1 where it
+// exists, else 0.
 template <class T>
 Patch<T> fetchPatch(const PackedGeometry& geometry, int i, int j);
 

@@ -81,9 +81,7 @@ struct Snorm8 {
 };
 struct Unorm16 {
   static constexpr int kBytes = 2;
-  static float decode(const std::byte* from) {
-    return static_cast<float>(load<uint16_t>(from)) / 65535.0f;
-  }
+  static float decode(const std::byte* from) { return static_cast<float>(load<uint16_t>(from)) / 65535.0f; }
 };
 struct Snorm16 {
   static constexpr int kBytes = 2;

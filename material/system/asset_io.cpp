@@ -18,8 +18,9 @@ Issue readIssue(const std::string& name, uint64_t offset, const std::string& why
           "cannot read at byte " + std::to_string(offset) + ": " + why};
 }
 
-// pread, not a mapping: a file that another process cuts short is then an issue of the part that needed the bytes, where a
-// mapping raises SIGBUS in whoever touches them. Parts are read once, whole, so that a mapping would save one copy.
+// pread, not a mapping: a file that another process cuts short is then an issue of the part that needed the
+// bytes, where a mapping raises SIGBUS in whoever touches them. Parts are read once, whole, so that a mapping
+// would save one copy.
 class FileSource final : public ByteSource {
  public:
   FileSource(int file, uint64_t size, std::string name) : file_(file), size_(size), name_(std::move(name)) {}

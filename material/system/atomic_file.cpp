@@ -68,8 +68,7 @@ void flushFolder(const std::filesystem::path& folder) {
 Status writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   TemporaryFile temporary(folder);
-  if (!temporary.created() || !temporary.write(bytes) || !temporary.flush() ||
-      !temporary.renameTo(path)) {
+  if (!temporary.created() || !temporary.write(bytes) || !temporary.flush() || !temporary.renameTo(path)) {
     return Issue{issue_id::kCannotWrite, Severity::kError, path.string(),
                  std::string("cannot write: ") + std::strerror(errno)};
   }

@@ -35,7 +35,8 @@ std::optional<std::string> percentDecoded(std::string_view uri) {
 }
 
 Issue refusal(std::string_view uri, const std::string& where, const std::string& why) {
-  return {issue_id::kGltfPath, Severity::kError, where, "uri \"" + std::string(uri.substr(0, 200)) + "\" " + why};
+  return {issue_id::kGltfPath, Severity::kError, where,
+          "uri \"" + std::string(uri.substr(0, 200)) + "\" " + why};
 }
 
 bool isInside(const fs::path& folder, const fs::path& path) {
@@ -47,12 +48,14 @@ bool isInside(const fs::path& folder, const fs::path& path) {
 
 Result<fs::path> relativePathOfUri(std::string_view uri, const std::string& where) {
   const std::optional<std::string> text = percentDecoded(uri);
-  if (!text || text->empty() || text->find('\\') != std::string::npos) return refusal(uri, where, "is not a valid relative URI");
+  if (!text || text->empty() || text->find('\\') != std::string::npos)
+    return refusal(uri, where, "is not a valid relative URI");
   const size_t colon = uri.find(':');
   const fs::path path = fs::path(*text).lexically_normal();
   if ((colon != std::string_view::npos && colon < uri.find('/')) || path.is_absolute())
     return refusal(uri, where, "names no file beside the document: make it relative");
-  if (path.empty() || *path.begin() == "..") return refusal(uri, where, "leads outside the document's folder: move the file into it");
+  if (path.empty() || *path.begin() == "..")
+    return refusal(uri, where, "leads outside the document's folder: move the file into it");
   return path;
 }
 
@@ -63,7 +66,8 @@ Result<fs::path> confinedPath(const fs::path& folder, std::string_view uri, cons
   const fs::path base = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
   if (error) return refusal(uri, where, "stands in a folder that cannot be resolved");
   const fs::path path = fs::weakly_canonical(base / *relative, error);
-  if (error || !isInside(base, path)) return refusal(uri, where, "leads outside the document's folder: move the file into it");
+  if (error || !isInside(base, path))
+    return refusal(uri, where, "leads outside the document's folder: move the file into it");
   return path;
 }
 

@@ -9,11 +9,12 @@
 
 namespace loden {
 
-// A relative uri, percent-encoding decoded, as a path without ".." that leave. kGltfPath for schemes, absolute paths, broken
-// escapes, backslashes and zero bytes. `where` names the uri in messages.
+// A relative uri, percent-encoding decoded, as a path without ".." that leave. kGltfPath for schemes,
+// absolute paths, broken escapes, backslashes and zero bytes. `where` names the uri in messages.
 Result<std::filesystem::path> relativePathOfUri(std::string_view uri, const std::string& where);
 
 // The file that the uri names inside `folder`, links followed; kGltfPath also if it would lie outside.
-Result<std::filesystem::path> confinedPath(const std::filesystem::path& folder, std::string_view uri, const std::string& where);
+Result<std::filesystem::path> confinedPath(const std::filesystem::path& folder, std::string_view uri,
+                                           const std::string& where);
 
 }  // namespace loden

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-#include "material/model/directions.h"
 #include "material/base/issues.h"
+#include "material/model/directions.h"
 #include "runtime/frame/frame_multisample.h"
 #include "runtime/frame/frame_shadow.h"
+#include "runtime/frame/scene_gpu.h"
 #include "runtime/gl/gl_objects.h"
 #include "runtime/gl/gl_state.h"
-#include "runtime/frame/scene_gpu.h"
 #include "shaders/loden_shared.h"
 #include "shaders/scene_shared.h"
 
@@ -22,7 +22,7 @@ constexpr int kUniformBindings = SCENE_BLOCK_OBJECT + 1;
 
 // The relief in the sun's shadow map. Neither sun nor objects move: nothing else changes it.
 struct ShadowRelief {
-  bool shown = false;  // else all objects are as their meshes are, and the rest is as here
+  bool shown = false;     // else all objects are as their meshes are, and the rest is as here
   uint64_t revision = 0;  // MaterialSystem::reliefRevision
   std::optional<float> lambda;
   friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
@@ -70,11 +70,14 @@ void setEnvironment(const Environment& environment, SceneFrame& data) {
 Status checkUnits(const GpuScene& scene, const Device& device, const MaterialSystem& materials) {
   const int available = device.capabilities().max_fragment_textures;
   if (available <= SCENE_UNIT_SHADOW)
-    return Issue{issue_id::kGlContext, Severity::kError, "frame", "the sample renderer needs 30 texture units, and the driver has " + std::to_string(available)};
+    return Issue{
+        issue_id::kGlContext, Severity::kError, "frame",
+        "the sample renderer needs 30 texture units, and the driver has " + std::to_string(available)};
   for (const auto& asset : scene.assets) {
     const MaterialVariant variant = materials.variant(asset.material.id());
     if (variant.first_unit + unitsOf(variant) > SCENE_UNIT_SHADOW)
-      return Issue{issue_id::kOption, Severity::kError, asset.name, "takes the shadow map's texture unit; make the material system with a lower first_unit"};
+      return Issue{issue_id::kOption, Severity::kError, asset.name,
+                   "takes the shadow map's texture unit; make the material system with a lower first_unit"};
   }
   return {};
 }
@@ -83,12 +86,16 @@ GlBuffer makeFrameUniforms(const char* label) {
   return makeBuffer(sizeof(SceneFrame), {}, GL_DYNAMIC_STORAGE_BIT, label);
 }
 
-void setViewport(glm::ivec2 size) { glViewportIndexedf(0, 0, 0, float(size.x), float(size.y)); }
+void setViewport(glm::ivec2 size) {
+  glViewportIndexedf(0, 0, 0, float(size.x), float(size.y));
+}
 
-void setColorMask(GLboolean write) { glColorMaski(0, write, write, write, write); }
+void setColorMask(GLboolean write) {
+  glColorMaski(0, write, write, write, write);
+}
 
-// What every pass relies on; the caller's state is restored by GlDrawStateScope, which must know all of it. Of draw buffers and
-// viewports only the first is used, and set.
+// What every pass relies on; the caller's state is restored by GlDrawStateScope, which must know all of it.
+// Of draw buffers and viewports only the first is used, and set.
 void setPassState() {
   glDisablei(GL_BLEND, 0);
   glDisablei(GL_SCISSOR_TEST, 0);
@@ -162,7 +169,8 @@ void FrameRenderer::Impl::findVisible() {
     const Bounds& box = scene.objects[i].bounds;
     const bool seen = intersects(frustum, box) && !facesAway(scene.objects[i].facing, box, view.position);
     if (settings.cull && !seen) continue;
-    visible.push_back({static_cast<int>(i), glm::distance(view.position, glm::clamp(view.position, box.min, box.max))});
+    visible.push_back(
+        {static_cast<int>(i), glm::distance(view.position, glm::clamp(view.position, box.min, box.max))});
   }
   std::stable_sort(visible.begin(), visible.end(),
                    [](const Drawable& a, const Drawable& b) { return a.distance < b.distance; });
@@ -208,8 +216,10 @@ SceneFrame FrameRenderer::Impl::frameData() const {
                  (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
                  (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
-  if (settings.environment) setEnvironment(*settings.environment, data);
-  else setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
+  if (settings.environment)
+    setEnvironment(*settings.environment, data);
+  else
+    setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
   data.lambda = glm::vec4(settings.lambda.value_or(0), view.pixel_angle, 0, 0);
   std::transform(scene.lights.begin(), scene.lights.end(), data.lights, lightData);
   return data;
@@ -229,8 +239,10 @@ void FrameRenderer::Impl::drawObject(int index) const {
   glBindBufferRange(GL_UNIFORM_BUFFER, SCENE_BLOCK_OBJECT, scene.object_uniforms.name(),
                     GLintptr(size_t(index) * scene.object_stride), sizeof(SceneObject));
   glFrontFace(object.mirrored ? GL_CW : GL_CCW);
-  if (object.double_sided) glDisable(GL_CULL_FACE);
-  else glEnable(GL_CULL_FACE);
+  if (object.double_sided)
+    glDisable(GL_CULL_FACE);
+  else
+    glEnable(GL_CULL_FACE);
   glBindVertexArray(mesh.array.name());
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
 }
@@ -311,7 +323,8 @@ Status FrameRenderer::Impl::drawShaded() {
   const auto key = [&](const Drawable& drawable) {
     return std::pair(materialOf(drawable.object).value, scene.objects[drawable.object].curved);
   };
-  std::stable_sort(order.begin(), order.end(), [&](const Drawable& a, const Drawable& b) { return key(a) < key(b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const Drawable& a, const Drawable& b) { return key(a) < key(b); });
   glDepthFunc(GL_LEQUAL);
   PassProgram current;
   for (const Drawable& drawable : order) {
@@ -344,9 +357,19 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
   auto gpu = uploadScene(scene, device, materials);
   if (!gpu) return gpu.issue();
   if (const Status status = checkUnits(*gpu, device, materials); !status) return status.issue();
-  auto impl = std::unique_ptr<Impl>(new Impl{shaders, materials, std::move(gpu.value()),
-                                             makeFrameUniforms("frame uniforms"), makeFrameUniforms("shadow uniforms"),
-                                             {}, {}, {}, {}, {}, {}, {}, {}});
+  auto impl = std::unique_ptr<Impl>(new Impl{shaders,
+                                             materials,
+                                             std::move(gpu.value()),
+                                             makeFrameUniforms("frame uniforms"),
+                                             makeFrameUniforms("shadow uniforms"),
+                                             {},
+                                             {},
+                                             {},
+                                             {},
+                                             {},
+                                             {},
+                                             {},
+                                             {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
 }
 
@@ -371,7 +394,8 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   const bool sampled = self.settings.samples > 1;
   if (sampled && !fits(self.multisample, target.size, self.settings.samples, target.framebuffer)) {
     self.multisample = {};
-    Result<MultisampleTarget> made = makeMultisampleTarget(target.size, self.settings.samples, target.framebuffer);
+    Result<MultisampleTarget> made =
+        makeMultisampleTarget(target.size, self.settings.samples, target.framebuffer);
     if (!made) return made.issue();
     self.multisample = std::move(made.value());
   }
@@ -384,9 +408,15 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   return {};
 }
 
-void FrameRenderer::finish() const { glFinish(); }
+void FrameRenderer::finish() const {
+  glFinish();
+}
 
-const FrameStats& FrameRenderer::stats() const { return impl_->stats; }
-Bounds FrameRenderer::bounds() const { return impl_->scene.bounds; }
+const FrameStats& FrameRenderer::stats() const {
+  return impl_->stats;
+}
+Bounds FrameRenderer::bounds() const {
+  return impl_->scene.bounds;
+}
 
 }  // namespace loden::runtime

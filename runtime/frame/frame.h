@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "material/model/environment.h"
 #include "material/base/result.h"
-#include "runtime/scene/camera.h"
+#include "material/model/environment.h"
 #include "runtime/gl/device.h"
 #include "runtime/gl/material/material_system.h"
+#include "runtime/scene/camera.h"
 #include "runtime/scene/scene.h"
 #include "runtime/shader/shader_library.h"
 
@@ -19,23 +19,24 @@ namespace loden::runtime {
 
 enum class ToneCurve { kClip, kFilmic };
 
-// Where lambda comes from: the pixel's footprint on the surface, or its distance alone, as LBTF 3.4, step 2 has it, in units
-// at which a texel covers a pixel.
+// Where lambda comes from: the pixel's footprint on the surface, or its distance alone, as LBTF 3.4, step 2
+// has it, in units at which a texel covers a pixel.
 enum class LambdaRule { kFootprint, kDistance };
 
 struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
   bool shadows = true;
   bool depth_prepass = true;
-  bool cull = true;                  // leaves out what is not in view or shows its back; off for measuring
-  // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a relief's
-  // valleys is seen and lit. Costs a lookup per texel of the shadow map and per pixel of the pre-pass.
+  bool cull = true;  // leaves out what is not in view or shows its back; off for measuring
+  // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a
+  // relief's valleys is seen and lit. Costs a lookup per texel of the shadow map and per pixel of the
+  // pre-pass.
   bool parallax_depth = false;
-  // Per pixel, for silhouettes; 1, 2, 4 or 8. Above 1 the frame is drawn elsewhere and its colour alone resolved into the
-  // target, whose depth is neither cleared nor written.
+  // Per pixel, for silhouettes; 1, 2, 4 or 8. Above 1 the frame is drawn elsewhere and its colour alone
+  // resolved into the target, whose depth is neither cleared nor written.
   int samples = 1;
   LambdaRule lambda_rule = LambdaRule::kFootprint;
-  std::optional<float> lambda;       // instead, everywhere
+  std::optional<float> lambda;  // instead, everywhere
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
   // Light from all around, world frame; at most SCENE_MAX_SUNS suns count. None: a sky and a ground.
@@ -54,26 +55,28 @@ struct MaterialDemand {
 
 struct FrameStats {
   int objects = 0, visible_objects = 0;
-  int draw_calls = 0;         // of the shading pass
-  int depth_draw_calls = 0;   // of the pre-pass and the shadow map
+  int draw_calls = 0;        // of the shading pass
+  int depth_draw_calls = 0;  // of the pre-pass and the shadow map
   int program_changes = 0;
-  uint64_t triangles = 0;     // of the shading pass
+  uint64_t triangles = 0;               // of the shading pass
   std::vector<MaterialDemand> demands;  // visible materials only
 };
 
-// Where a frame goes: a framebuffer's GL name (0: the window) and its size in pixels. Its first draw buffer is drawn; what
-// others hold afterwards is undefined.
+// Where a frame goes: a framebuffer's GL name (0: the window) and its size in pixels. Its first draw buffer
+// is drawn; what others hold afterwards is undefined.
 struct FrameTarget {
   uint32_t framebuffer = 0;
   glm::ivec2 size{0};
 };
 
-// One scene on the GPU. Destroy it before Device::recreate() and make another afterwards: it does not outlive its
-// context, as a MaterialSystem does. Per frame: prepare(), then MaterialSystem::update() or finishLoading(), then draw().
+// One scene on the GPU. Destroy it before Device::recreate() and make another afterwards: it does not outlive
+// its context, as a MaterialSystem does. Per frame: prepare(), then MaterialSystem::update() or
+// finishLoading(), then draw().
 class FrameRenderer {
  public:
   // Uploads the meshes and opens the scene's assets, which are unloaded with the renderer. The device must be
-  // current, here and at the end; device, shaders and materials must outlive the renderer. Issues of MaterialSystem::load.
+  // current, here and at the end; device, shaders and materials must outlive the renderer. Issues of
+  // MaterialSystem::load.
   static Result<std::unique_ptr<FrameRenderer>> create(const Device& device, ShaderLibrary& shaders,
                                                        MaterialSystem& materials, const Scene& scene);
   ~FrameRenderer();
@@ -82,8 +85,8 @@ class FrameRenderer {
 
   // Finds what the view sees and demands its materials. No GL call.
   void prepare(const View& view, const FrameSettings& settings);
-  // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of ShaderLibrary::program;
-  // kMemory where the driver has no room for the samples.
+  // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of
+  // ShaderLibrary::program; kMemory where the driver has no room for the samples.
   Status draw(const FrameTarget& target);
   // Waits until the GPU has drawn everything; for measuring.
   void finish() const;

@@ -42,7 +42,10 @@ int mostSamples() {
 Result<MultisampleTarget> makeMultisampleTarget(glm::ivec2 size, int samples, uint32_t target_framebuffer) {
   const int given = std::min(samples, mostSamples());
   const GLenum format = colorFormat(target_framebuffer);
-  MultisampleTarget target{size, samples, format, makeSampled(format, size, given, "frame samples colour"),
+  MultisampleTarget target{size,
+                           samples,
+                           format,
+                           makeSampled(format, size, given, "frame samples colour"),
                            makeSampled(GL_DEPTH_COMPONENT32F, size, given, "frame samples depth"),
                            makeFramebuffer("frame samples")};
   const GLuint framebuffer = target.framebuffer.name();
@@ -50,18 +53,20 @@ Result<MultisampleTarget> makeMultisampleTarget(glm::ivec2 size, int samples, ui
   glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, target.depth.name(), 0);
   if (glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     return Issue{issue_id::kMemory, Severity::kError, "frame",
-                 std::string("the driver has no frame of ") + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels and " +
-                     std::to_string(given) + " samples; ask for fewer"};
+                 std::string("the driver has no frame of ") + std::to_string(size.x) + " x " +
+                     std::to_string(size.y) + " pixels and " + std::to_string(given) +
+                     " samples; ask for fewer"};
   return target;
 }
 
 bool fits(const MultisampleTarget& target, glm::ivec2 size, int samples, uint32_t framebuffer) {
-  return target.framebuffer && target.size == size && target.samples == samples && target.color_format == colorFormat(framebuffer);
+  return target.framebuffer && target.size == size && target.samples == samples &&
+         target.color_format == colorFormat(framebuffer);
 }
 
 void resolve(const MultisampleTarget& from, uint32_t framebuffer) {
-  glBlitNamedFramebuffer(from.framebuffer.name(), framebuffer, 0, 0, from.size.x, from.size.y, 0, 0, from.size.x,
-                         from.size.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitNamedFramebuffer(from.framebuffer.name(), framebuffer, 0, 0, from.size.x, from.size.y, 0, 0,
+                         from.size.x, from.size.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 }  // namespace loden::runtime

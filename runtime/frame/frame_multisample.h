@@ -1,5 +1,5 @@
-// Private to the renderer: a framebuffer with several samples per pixel, for smooth silhouettes. Materials filter
-// themselves; shading runs once per pixel.
+// Private to the renderer: a framebuffer with several samples per pixel, for smooth silhouettes. Materials
+// filter themselves; shading runs once per pixel.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,10 +13,11 @@ struct MultisampleTarget {
   glm::ivec2 size{0};
   int samples = 0;
   uint32_t color_format = 0;  // GL's
-  GlTexture color, depth;  // RGBA8 sRGB or as many floating-point bits as the target has; 32-bit float
+  GlTexture color, depth;     // RGBA8 sRGB or as many floating-point bits as the target has; 32-bit float
   GlFramebuffer framebuffer;
 };
-// For resolving into `framebuffer`. `samples` is lowered to what the driver can do. Issues: kMemory, for sizes that it cannot.
+// For resolving into `framebuffer`. `samples` is lowered to what the driver can do. Issues: kMemory, for
+// sizes that it cannot.
 Result<MultisampleTarget> makeMultisampleTarget(glm::ivec2 size, int samples, uint32_t framebuffer);
 
 // Whether it still fits.

@@ -18,8 +18,10 @@ SunView sunView(const Bounds& world, const glm::vec3& direction, int side) {
   box.min -= margin;
   box.max += margin;
   SunView view;
-  view.clip_from_world = glm::ortho(box.min.x, box.max.x, box.min.y, box.max.y, -box.max.z, -box.min.z) * sun_from_world;
-  const glm::mat4 half = glm::translate(glm::mat4(1), glm::vec3(0.5f)) * glm::scale(glm::mat4(1), glm::vec3(0.5f));
+  view.clip_from_world =
+      glm::ortho(box.min.x, box.max.x, box.min.y, box.max.y, -box.max.z, -box.min.z) * sun_from_world;
+  const glm::mat4 half =
+      glm::translate(glm::mat4(1), glm::vec3(0.5f)) * glm::scale(glm::mat4(1), glm::vec3(0.5f));
   view.texture_from_world = half * view.clip_from_world;
   view.texel = std::max(box.max.x - box.min.x, box.max.y - box.min.y) / static_cast<float>(side);
   return view;

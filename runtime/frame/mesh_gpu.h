@@ -12,8 +12,8 @@ struct GpuMesh {
   int index_count = 0;
 };
 
-// Locations 0 position, 1 normal, 2 tangent, 3 x. x = rotation(scale * uv) less a whole number of periods near
-// the mesh's own, in double precision, so that huge UV offsets cost nothing; tangents run along x.x.
+// Locations 0 position, 1 normal, 2 tangent, 3 x. x = rotation(scale * uv) less a whole number of periods
+// near the mesh's own, in double precision, so that huge UV offsets cost nothing; tangents run along x.x.
 GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding);
 
 }  // namespace loden::runtime

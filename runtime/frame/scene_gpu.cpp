@@ -36,7 +36,8 @@ Object makeObject(const Scene& scene, const Instance& instance) {
   object.bounds = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
   object.mirrored = glm::determinant(glm::mat3(instance.world_from_local)) < 0;
   object.double_sided = material.double_sided;
-  if (!object.double_sided) object.facing = facingCone(scene.meshes[instance.mesh], instance.world_from_local);
+  if (!object.double_sided)
+    object.facing = facingCone(scene.meshes[instance.mesh], instance.world_from_local);
   if (!material.flat_btf) return object;
   object.asset = material.flat_btf->asset;
   const Mesh& mesh = scene.meshes[instance.mesh];
@@ -57,8 +58,10 @@ std::vector<GpuMesh> uploadMeshes(const Scene& scene) {
 
 void addLights(const Scene& scene, const Device& device, GpuScene& gpu) {
   for (const Light& light : scene.lights) {
-    if (light.kind != LightKind::kSun) gpu.lights.push_back(light);
-    else if (!gpu.sun) gpu.sun = light;
+    if (light.kind != LightKind::kSun)
+      gpu.lights.push_back(light);
+    else if (!gpu.sun)
+      gpu.sun = light;
   }
   if (gpu.sun) gpu.sun_view = sunView(gpu.bounds, gpu.sun->direction, ShadowMap::kSide);
   if (gpu.lights.size() <= SCENE_MAX_LIGHTS) return;
@@ -79,13 +82,15 @@ float mostLight(const Light& light, const Bounds& box) {
 void chooseLights(const std::vector<Light>& lights, const Bounds& box, SceneObject& data) {
   std::vector<std::pair<float, int>> reaching;
   for (size_t i = 0; i < lights.size(); ++i)
-    if (const float most = mostLight(lights[i], box); most > 0) reaching.emplace_back(-most, static_cast<int>(i));
+    if (const float most = mostLight(lights[i], box); most > 0)
+      reaching.emplace_back(-most, static_cast<int>(i));
   std::sort(reaching.begin(), reaching.end());
   data.flags.y = static_cast<int>(std::min<size_t>(reaching.size(), SCENE_MAX_OBJECT_LIGHTS));
   for (int k = 0; k < data.flags.y; ++k) data.lights[k / 4][k % 4] = reaching[k].second;
 }
 
-// The inverse transpose but for a positive factor, from cofactors: exists where the transform flattens the mesh.
+// The inverse transpose but for a positive factor, from cofactors: exists where the transform flattens the
+// mesh.
 glm::mat3 normalMatrix(const glm::mat3& m) {
   const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   float largest = 0;
@@ -95,7 +100,8 @@ glm::mat3 normalMatrix(const glm::mat3& m) {
   return cofactors * ((glm::determinant(m) < 0 ? -1.0f : 1.0f) / largest);
 }
 
-SceneObject objectData(const Object& object, const SceneMaterial& material, const glm::mat4& world_from_local) {
+SceneObject objectData(const Object& object, const SceneMaterial& material,
+                       const glm::mat4& world_from_local) {
   SceneObject data{};
   data.world_from_local = world_from_local;
   data.normal_from_local = glm::mat4(normalMatrix(glm::mat3(world_from_local)));
@@ -130,7 +136,9 @@ Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialS
   for (const Instance& instance : scene.instances) {
     gpu.objects.push_back(makeObject(scene, instance));
     const Bounds& box = gpu.objects.back().bounds;
-    gpu.bounds = gpu.objects.size() == 1 ? box : Bounds{glm::min(gpu.bounds.min, box.min), glm::max(gpu.bounds.max, box.max)};
+    gpu.bounds = gpu.objects.size() == 1
+                     ? box
+                     : Bounds{glm::min(gpu.bounds.min, box.min), glm::max(gpu.bounds.max, box.max)};
   }
   gpu.meshes = uploadMeshes(scene);
   addLights(scene, device, gpu);

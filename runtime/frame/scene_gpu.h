@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/scene/camera.h"
-#include "runtime/gl/device.h"
 #include "runtime/frame/frame_shadow.h"
+#include "runtime/frame/mesh_gpu.h"
+#include "runtime/gl/device.h"
 #include "runtime/gl/gl_objects.h"
 #include "runtime/gl/material/material_system.h"
-#include "runtime/frame/mesh_gpu.h"
+#include "runtime/scene/camera.h"
 #include "runtime/scene/scene.h"
 
 namespace loden::runtime {
@@ -32,7 +32,8 @@ struct Object {
 class OwnedMaterial {
  public:
   OwnedMaterial(MaterialSystem& system, MaterialId id) : system_(&system), id_(id) {}
-  OwnedMaterial(OwnedMaterial&& other) noexcept : system_(std::exchange(other.system_, nullptr)), id_(other.id_) {}
+  OwnedMaterial(OwnedMaterial&& other) noexcept
+      : system_(std::exchange(other.system_, nullptr)), id_(other.id_) {}
   OwnedMaterial& operator=(OwnedMaterial&& other) noexcept {
     std::swap(system_, other.system_);
     std::swap(id_, other.id_);
@@ -60,8 +61,8 @@ struct GpuScene {
   std::vector<Light> lights;  // points and spots
   std::optional<Light> sun;
   SunView sun_view;
-  Bounds bounds;              // of all objects, world
-  GlBuffer object_uniforms;   // a SceneObject every `object_stride` bytes
+  Bounds bounds;             // of all objects, world
+  GlBuffer object_uniforms;  // a SceneObject every `object_stride` bytes
   size_t object_stride = 0;
 };
 

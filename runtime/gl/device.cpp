@@ -22,7 +22,8 @@ int integer(GLenum name) {
 
 // The least that the runtime works with, per limit: name in words, what is there, what is needed.
 void checkLimit(std::vector<std::string>& missing, const char* what, int have, int need) {
-  if (have < need) missing.push_back(std::string(what) + ": " + std::to_string(have) + ", needed " + std::to_string(need));
+  if (have < need)
+    missing.push_back(std::string(what) + ": " + std::to_string(have) + ", needed " + std::to_string(need));
 }
 
 Capabilities queryCapabilities() {
@@ -31,7 +32,8 @@ Capabilities queryCapabilities() {
   c.renderer = text(GL_RENDERER);
   c.version = text(GL_VERSION);
   c.glsl_version = text(GL_SHADING_LANGUAGE_VERSION);
-  c.software = c.renderer.find("llvmpipe") != std::string::npos || c.renderer.find("softpipe") != std::string::npos ||
+  c.software = c.renderer.find("llvmpipe") != std::string::npos ||
+               c.renderer.find("softpipe") != std::string::npos ||
                c.renderer.find("SWR") != std::string::npos;
   if (epoxy_gl_version() < 45) {
     c.missing.push_back("OpenGL 4.5 core; this context is " + c.version);
@@ -45,7 +47,8 @@ Capabilities queryCapabilities() {
   c.program_binary_formats = integer(GL_NUM_PROGRAM_BINARY_FORMATS);
   if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic"))
     glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &c.max_anisotropy);
-  checkLimit(c.missing, "textures per fragment shader", c.max_fragment_textures, 16);  // of one material: MaterialSystem::load
+  checkLimit(c.missing, "textures per fragment shader", c.max_fragment_textures,
+             16);  // of one material: MaterialSystem::load
   checkLimit(c.missing, "texture side", c.max_texture_side, 16384);
   checkLimit(c.missing, "volume texture side", c.max_volume_side, 2048);
   checkLimit(c.missing, "texture array layers", c.max_array_layers, 2048);
@@ -58,8 +61,8 @@ Severity severityOf(GLenum severity) {
   return severity == GL_DEBUG_SEVERITY_MEDIUM ? Severity::kWarning : Severity::kNote;
 }
 
-void APIENTRY onDebugMessage(GLenum, GLenum, GLuint id, GLenum severity, GLsizei length, const GLchar* message,
-                             const void* user) {
+void APIENTRY onDebugMessage(GLenum, GLenum, GLuint id, GLenum severity, GLsizei length,
+                             const GLchar* message, const void* user) {
   const std::string words = length < 0 ? std::string(message) : std::string(message, size_t(length));
   static_cast<const Device*>(user)->log(
       {issue_id::kGlDebug, severityOf(severity), "GL driver, message " + std::to_string(id), words});

@@ -1,5 +1,5 @@
-// A GL 4.5 core context: headless (EGL, no display server) or in a window (GLFW). Everything the runtime draws
-// with hangs on a Device; there is no global state, and one process may hold several.
+// A GL 4.5 core context: headless (EGL, no display server) or in a window (GLFW). Everything the runtime
+// draws with hangs on a Device; there is no global state, and one process may hold several.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,9 @@ struct DeviceOptions {
   glm::ivec2 size{800, 600};  // of the window, pixels
   std::string title = "Loden";
   bool vsync = true;
-  bool debug = false;  // a debug context, slower: driver messages of low severity and above go to `log`. Not of kCurrent
-  LogCallback log;    // may be empty
+  bool debug = false;  // a debug context, slower: driver messages of low severity and above go to `log`. Not
+                       // of kCurrent
+  LogCallback log;     // may be empty
 };
 
 // What the driver offers, measured against what the runtime needs.
@@ -39,7 +40,8 @@ struct Capabilities {
   int max_uniform_block_bytes = 0;
   int program_binary_formats = 0;
   float max_anisotropy = 1;
-  std::vector<std::string> missing;  // what the runtime needs and this driver lacks, in words; empty if usable
+  std::vector<std::string>
+      missing;  // what the runtime needs and this driver lacks, in words; empty if usable
 };
 
 class Device {
@@ -63,7 +65,8 @@ class Device {
   virtual void* nativeWindow() const { return nullptr; }
 
   // Drops the context with every object in it and makes a new one, as after a lost device. Owners of GL
-  // objects must forget their names first (GlObject::release). kCurrent: the engine has made a new one current.
+  // objects must forget their names first (GlObject::release). kCurrent: the engine has made a new one
+  // current.
   virtual Status recreate() = 0;
 
   DeviceKind kind() const { return options_.kind; }

@@ -55,7 +55,8 @@ Result<EGLContext> makeContext(EGLDisplay display, bool debug) {
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
-  if (!eglChooseConfig(display, wanted, &config, 1, &count) || count == 0) return eglIssue("no configuration for OpenGL");
+  if (!eglChooseConfig(display, wanted, &config, 1, &count) || count == 0)
+    return eglIssue("no configuration for OpenGL");
   const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                                4,
                                EGL_CONTEXT_MINOR_VERSION,
@@ -83,7 +84,8 @@ class EglDevice final : public Device {
     Result<EGLContext> context = makeContext(display_, options_.debug);
     if (!context) return context.issue();
     context_ = *context;
-    if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return eglIssue("cannot use the context");
+    if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+      return eglIssue("cannot use the context");
     return adoptContext();
   }
 

@@ -9,11 +9,16 @@ namespace {
 
 GLenum labelIdentifier(GlKind kind) {
   switch (kind) {
-    case GlKind::kTexture: return GL_TEXTURE;
-    case GlKind::kBuffer: return GL_BUFFER;
-    case GlKind::kFramebuffer: return GL_FRAMEBUFFER;
-    case GlKind::kProgram: return GL_PROGRAM;
-    case GlKind::kVertexArray: return GL_VERTEX_ARRAY;
+    case GlKind::kTexture:
+      return GL_TEXTURE;
+    case GlKind::kBuffer:
+      return GL_BUFFER;
+    case GlKind::kFramebuffer:
+      return GL_FRAMEBUFFER;
+    case GlKind::kProgram:
+      return GL_PROGRAM;
+    case GlKind::kVertexArray:
+      return GL_VERTEX_ARRAY;
   }
   return GL_NONE;
 }
@@ -28,11 +33,16 @@ GlObject<kKind> adopt(GLuint name, std::string_view label) {
 
 void detail::deleteGlName(GlKind kind, uint32_t name) {
   switch (kind) {
-    case GlKind::kTexture: return glDeleteTextures(1, &name);
-    case GlKind::kBuffer: return glDeleteBuffers(1, &name);
-    case GlKind::kFramebuffer: return glDeleteFramebuffers(1, &name);
-    case GlKind::kProgram: return glDeleteProgram(name);
-    case GlKind::kVertexArray: return glDeleteVertexArrays(1, &name);
+    case GlKind::kTexture:
+      return glDeleteTextures(1, &name);
+    case GlKind::kBuffer:
+      return glDeleteBuffers(1, &name);
+    case GlKind::kFramebuffer:
+      return glDeleteFramebuffers(1, &name);
+    case GlKind::kProgram:
+      return glDeleteProgram(name);
+    case GlKind::kVertexArray:
+      return glDeleteVertexArrays(1, &name);
   }
 }
 
@@ -71,6 +81,8 @@ GlVertexArray makeVertexArray(std::string_view label) {
 GlDebugGroup::GlDebugGroup(std::string_view name) {
   glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, GLsizei(name.size()), name.data());
 }
-GlDebugGroup::~GlDebugGroup() { glPopDebugGroup(); }
+GlDebugGroup::~GlDebugGroup() {
+  glPopDebugGroup();
+}
 
 }  // namespace loden::runtime

@@ -8,10 +8,10 @@ namespace loden::runtime {
 namespace {
 
 constexpr GLenum kPixelStore[] = {
-    GL_UNPACK_ALIGNMENT,   GL_UNPACK_ROW_LENGTH,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_PIXELS,
-    GL_UNPACK_SKIP_ROWS,   GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES,   GL_UNPACK_LSB_FIRST,
-    GL_PACK_ALIGNMENT,     GL_PACK_ROW_LENGTH,    GL_PACK_IMAGE_HEIGHT,   GL_PACK_SKIP_PIXELS,
-    GL_PACK_SKIP_ROWS,     GL_PACK_SKIP_IMAGES,   GL_PACK_SWAP_BYTES,     GL_PACK_LSB_FIRST};
+    GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_PIXELS,
+    GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES,   GL_UNPACK_LSB_FIRST,
+    GL_PACK_ALIGNMENT,   GL_PACK_ROW_LENGTH,    GL_PACK_IMAGE_HEIGHT,   GL_PACK_SKIP_PIXELS,
+    GL_PACK_SKIP_ROWS,   GL_PACK_SKIP_IMAGES,   GL_PACK_SWAP_BYTES,     GL_PACK_LSB_FIRST};
 
 struct Target {
   GLenum target, binding;
@@ -54,8 +54,12 @@ GLint integer(GLenum name) {
   return value;
 }
 
-void setSwitch(GLenum name, bool on) { on ? glEnable(name) : glDisable(name); }
-void setFirstSwitch(GLenum name, bool on) { on ? glEnablei(name, 0) : glDisablei(name, 0); }
+void setSwitch(GLenum name, bool on) {
+  on ? glEnable(name) : glDisable(name);
+}
+void setFirstSwitch(GLenum name, bool on) {
+  on ? glEnablei(name, 0) : glDisablei(name, 0);
+}
 
 }  // namespace
 
@@ -119,7 +123,8 @@ GlDrawStateScope::~GlDrawStateScope() {
   for (size_t i = 0; i < uniforms_.size(); ++i) {
     const UniformBinding& u = uniforms_[i];
     if (u.buffer != 0 && u.size != 0)
-      glBindBufferRange(GL_UNIFORM_BUFFER, GLuint(i), GLuint(u.buffer), GLintptr(u.offset), GLsizeiptr(u.size));
+      glBindBufferRange(GL_UNIFORM_BUFFER, GLuint(i), GLuint(u.buffer), GLintptr(u.offset),
+                        GLsizeiptr(u.size));
     else
       glBindBufferBase(GL_UNIFORM_BUFFER, GLuint(i), GLuint(u.buffer));
   }

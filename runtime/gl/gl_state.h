@@ -22,9 +22,10 @@ class GlPixelStateScope {
   int32_t pack_buffer_ = 0, unpack_buffer_ = 0;
 };
 
-// All the state that drawing a frame sets, and no other: framebuffers, program, vertex array, buffers, textures and samplers of
-// the first `units` units, switches, clip control, depth, culling, polygon, clears; of what is kept per draw buffer or viewport
-// (blending, colour mask, scissor test, viewport, depth range) the first alone, and nothing may set the others.
+// All the state that drawing a frame sets, and no other: framebuffers, program, vertex array, buffers,
+// textures and samplers of the first `units` units, switches, clip control, depth, culling, polygon, clears;
+// of what is kept per draw buffer or viewport (blending, colour mask, scissor test, viewport, depth range)
+// the first alone, and nothing may set the others.
 class GlDrawStateScope {
  public:
   explicit GlDrawStateScope(int units, int uniform_bindings);
@@ -47,7 +48,8 @@ class GlDrawStateScope {
   std::vector<Unit> units_;
   std::vector<UniformBinding> uniforms_;
   std::vector<uint8_t> enabled_;
-  int32_t active_texture_ = 0, program_ = 0, pipeline_ = 0, vertex_array_ = 0, array_buffer_ = 0, uniform_buffer_ = 0;
+  int32_t active_texture_ = 0, program_ = 0, pipeline_ = 0, vertex_array_ = 0, array_buffer_ = 0,
+          uniform_buffer_ = 0;
   int32_t draw_framebuffer_ = 0, read_framebuffer_ = 0;
   int32_t clip_origin_ = 0, clip_depth_ = 0;
   std::array<uint8_t, 4> color_mask_{};

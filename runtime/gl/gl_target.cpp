@@ -28,8 +28,9 @@ GlTexture makeAttachment(GLenum format, glm::ivec2 size, const std::string& labe
 
 Result<RenderTarget> makeRenderTarget(glm::ivec2 size, ColorFormat format, std::string_view label) {
   const std::string name(label);
-  const Issue impossible{issue_id::kMemory, Severity::kError, name,
-                         "the driver has no picture of " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels"};
+  const Issue impossible{
+      issue_id::kMemory, Severity::kError, name,
+      "the driver has no picture of " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels"};
   GLint side = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
   if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > side) return impossible;
@@ -37,7 +38,9 @@ Result<RenderTarget> makeRenderTarget(glm::ivec2 size, ColorFormat format, std::
                       makeAttachment(GL_DEPTH_COMPONENT32F, size, name + " depth"), makeFramebuffer(name)};
   glNamedFramebufferTexture(target.framebuffer.name(), GL_COLOR_ATTACHMENT0, target.color.name(), 0);
   glNamedFramebufferTexture(target.framebuffer.name(), GL_DEPTH_ATTACHMENT, target.depth.name(), 0);
-  if (glCheckNamedFramebufferStatus(target.framebuffer.name(), GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return impossible;
+  if (glCheckNamedFramebufferStatus(target.framebuffer.name(), GL_DRAW_FRAMEBUFFER) !=
+      GL_FRAMEBUFFER_COMPLETE)
+    return impossible;
   return target;
 }
 
@@ -58,9 +61,11 @@ std::vector<glm::u8vec4> readCodes(const RenderTarget& target) {
   const GlPixelStateScope scope;
   const size_t width = size_t(target.size.x), height = size_t(target.size.y);
   std::vector<glm::u8vec4> bottom_up(width * height), top_down(width * height);
-  glGetTextureImage(target.color.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE, GLsizei(bottom_up.size() * 4), bottom_up.data());
+  glGetTextureImage(target.color.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE, GLsizei(bottom_up.size() * 4),
+                    bottom_up.data());
   for (size_t y = 0; y < height; ++y)
-    std::copy_n(bottom_up.begin() + ptrdiff_t((height - 1 - y) * width), width, top_down.begin() + ptrdiff_t(y * width));
+    std::copy_n(bottom_up.begin() + ptrdiff_t((height - 1 - y) * width), width,
+                top_down.begin() + ptrdiff_t(y * width));
   return top_down;
 }
 

@@ -76,7 +76,8 @@ class GlfwDevice final : public Device {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, options_.debug);
     glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_TRUE);
-    glfwWindowHint(GLFW_DEPTH_BITS, 24);  // with one sample a pixel, scenes are drawn straight into the window
+    glfwWindowHint(GLFW_DEPTH_BITS,
+                   24);  // with one sample a pixel, scenes are drawn straight into the window
     window_ = glfwCreateWindow(options_.size.x, options_.size.y, options_.title.c_str(), nullptr, nullptr);
     return window_ != nullptr;
   }
@@ -104,7 +105,8 @@ Result<std::unique_ptr<Device>> createGlfwDevice(const DeviceOptions& options) {
 namespace loden::runtime {
 
 Result<std::unique_ptr<Device>> createGlfwDevice(const DeviceOptions&) {
-  return Issue{issue_id::kGlContext, Severity::kError, "GLFW", "this build has no windows; build with LODEN_WITH_GLFW"};
+  return Issue{issue_id::kGlContext, Severity::kError, "GLFW",
+               "this build has no windows; build with LODEN_WITH_GLFW"};
 }
 
 }  // namespace loden::runtime

@@ -21,14 +21,18 @@ struct Header {
   uint64_t format = 0;
 };
 
-uint64_t hashOf(std::string_view text, uint64_t seed) { return XXH3_64bits_withSeed(text.data(), text.size(), seed); }
+uint64_t hashOf(std::string_view text, uint64_t seed) {
+  return XXH3_64bits_withSeed(text.data(), text.size(), seed);
+}
 
 // The file's payload if it is whole and meant for this key and driver; empty otherwise.
-std::vector<char> readBinary(const std::filesystem::path& path, uint64_t key, uint64_t driver, GLenum& format) {
+std::vector<char> readBinary(const std::filesystem::path& path, uint64_t key, uint64_t driver,
+                             GLenum& format) {
   std::ifstream file(path, std::ios::binary);
   Header header;
   if (!file.read(reinterpret_cast<char*>(&header), sizeof header)) return {};
-  if (header.magic != kMagic || header.key != key || header.driver != driver || header.bytes > kMaxBinary) return {};
+  if (header.magic != kMagic || header.key != key || header.driver != driver || header.bytes > kMaxBinary)
+    return {};
   std::vector<char> bytes(header.bytes);
   if (!file.read(bytes.data(), std::streamsize(bytes.size()))) return {};
   if (XXH3_64bits(bytes.data(), bytes.size()) != header.hash) return {};

@@ -24,10 +24,13 @@ struct TriangleUvs {
   float density() const { return std::max(least, 0.5f * most); }
 };
 
-TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const FlatBtfBinding& binding, const glm::mat3& linear) {
+TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const FlatBtfBinding& binding,
+                        const glm::mat3& linear) {
   const auto vertex = [&](size_t k) -> const Vertex& { return mesh.vertices[mesh.indices[first_index + k]]; };
-  const glm::vec3 e1 = linear * (vertex(1).position - vertex(0).position), e2 = linear * (vertex(2).position - vertex(0).position);
-  const glm::vec2 d1 = (vertex(1).uv - vertex(0).uv) * binding.scale, d2 = (vertex(2).uv - vertex(0).uv) * binding.scale;
+  const glm::vec3 e1 = linear * (vertex(1).position - vertex(0).position),
+                  e2 = linear * (vertex(2).position - vertex(0).position);
+  const glm::vec2 d1 = (vertex(1).uv - vertex(0).uv) * binding.scale,
+                  d2 = (vertex(2).uv - vertex(0).uv) * binding.scale;
   const float area2 = glm::length(glm::cross(e1, e2)), length1 = glm::length(e1);
   if (!(area2 > 1e-20f) || !(length1 > 0)) return {};
   // Orthonormal frame of the plane with e1 along its first axis: e1 = (a, 0), e2 = (b, c).
@@ -39,7 +42,8 @@ TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const FlatBtfBindi
   return {std::sqrt(0.5f * (sum + root)), std::sqrt(std::max(0.5f * (sum - root), 0.0f)), 0.5f * area2};
 }
 
-glm::dvec3 hermite(const glm::dvec3& p0, const glm::dvec3& m0, const glm::dvec3& p1, const glm::dvec3& m1, double u) {
+glm::dvec3 hermite(const glm::dvec3& p0, const glm::dvec3& m0, const glm::dvec3& p1, const glm::dvec3& m1,
+                   double u) {
   const double u2 = u * u, u3 = u2 * u;
   return (2 * u3 - 3 * u2 + 1) * p0 + (u3 - 2 * u2 + u) * m0 + (3 * u2 - 2 * u3) * p1 + (u3 - u2) * m1;
 }
@@ -93,7 +97,8 @@ FacingCone facingCone(const Mesh& mesh, const glm::mat4& world_from_local) {
   glm::vec3 sum(0);
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const auto corner = [&](size_t k) { return mesh.vertices[mesh.indices[i + k]].position; };
-    const glm::vec3 normal = side * glm::cross(linear * (corner(1) - corner(0)), linear * (corner(2) - corner(0)));
+    const glm::vec3 normal =
+        side * glm::cross(linear * (corner(1) - corner(0)), linear * (corner(2) - corner(0)));
     const float length = glm::length(normal);
     if (!(length > 1e-20f)) continue;
     normals.push_back(normal / length);
@@ -134,13 +139,17 @@ float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4
   return 1;
 }
 
-bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local, float density) {
-  constexpr float kStretch = 0.01f;                    // relative
-  constexpr float kCurvature = 0.01f, kNoise = 1e-4f;  // tilt of the normal per tile period, and of normals as stored
+bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local,
+             float density) {
+  constexpr float kStretch = 0.01f;  // relative
+  constexpr float kCurvature = 0.01f,
+                  kNoise = 1e-4f;  // tilt of the normal per tile period, and of normals as stored
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const TriangleUvs uvs = triangleUvs(mesh, i, binding, glm::mat3(world_from_local));
     if (!(uvs.area > 0)) continue;
-    if (!(std::abs(uvs.most - density) <= kStretch * density && std::abs(uvs.least - density) <= kStretch * density)) return false;
+    if (!(std::abs(uvs.most - density) <= kStretch * density &&
+          std::abs(uvs.least - density) <= kStretch * density))
+      return false;
     const Vertex& first = mesh.vertices[mesh.indices[i]];
     for (size_t k = 1; k < 3; ++k) {
       const Vertex& other = mesh.vertices[mesh.indices[i + k]];
@@ -162,7 +171,8 @@ CameraPath::CameraPath(std::vector<Key> keys, Camera base) : keys_(std::move(key
 
 Camera CameraPath::at(double seconds) const {
   const double t = keys_.front().t + std::clamp(seconds, 0.0, duration());
-  const auto after = std::upper_bound(keys_.begin(), keys_.end(), t, [](double v, const Key& key) { return v < key.t; });
+  const auto after =
+      std::upper_bound(keys_.begin(), keys_.end(), t, [](double v, const Key& key) { return v < key.t; });
   const size_t i = after == keys_.begin() ? 0 : std::min<size_t>(after - keys_.begin() - 1, keys_.size() - 1);
   Camera camera = base_;
   camera.position = keys_[i].position;
@@ -175,7 +185,8 @@ Camera CameraPath::at(double seconds) const {
     const Key &before = keys_[k > 0 ? k - 1 : 0], &next = keys_[std::min(k + 1, keys_.size() - 1)];
     return (next.*member - before.*member) / (next.t - before.t) * step;
   };
-  camera.position = hermite(k0.position, slope(i, &Key::position), k1.position, slope(i + 1, &Key::position), u);
+  camera.position =
+      hermite(k0.position, slope(i, &Key::position), k1.position, slope(i + 1, &Key::position), u);
   camera.target = hermite(k0.target, slope(i, &Key::target), k1.target, slope(i + 1, &Key::target), u);
   return camera;
 }

@@ -13,10 +13,10 @@ namespace loden::runtime {
 // A camera and the picture it makes. Pixels agree with cameraRay() of material/model/analytic_surface.h.
 struct View {
   glm::mat4 clip_from_world{1};
-  glm::vec3 position{0};     // world, metres
-  glm::ivec2 size{1, 1};     // pixels
+  glm::vec3 position{0};       // world, metres
+  glm::ivec2 size{1, 1};       // pixels
   float pixel_angle = 0.001f;  // metres across one pixel at 1 m distance from the camera's plane
-  float edge_cosine = 1;     // of the angle between the axis and the picture's corners
+  float edge_cosine = 1;       // of the angle between the axis and the picture's corners
 };
 struct DepthRange {
   double near_plane = 0.02, far_plane = 200;  // metres
@@ -41,16 +41,17 @@ FacingCone facingCone(const Mesh& mesh, const glm::mat4& world_from_local);
 // True only if the eye certainly sees nothing but back faces of what is in the box.
 bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye);
 
-// How finely a mesh's UVs are sampled: (UV -> world) is given per triangle by two singular values. Tile periods per
-// metre, such that only 2 % of the area has fewer.
+// How finely a mesh's UVs are sampled: (UV -> world) is given per triangle by two singular values. Tile
+// periods per metre, such that only 2 % of the area has fewer.
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local);
 
-// Whether view rays need no following (loden_follow_surface): every triangle is flat, by its normals, and its UVs are
-// `density` tile periods per metre in all directions.
-bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local, float density);
+// Whether view rays need no following (loden_follow_surface): every triangle is flat, by its normals, and its
+// UVs are `density` tile periods per metre in all directions.
+bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local,
+             float density);
 
-// The smallest lambda that any pixel of a visible object can ask for; see loden_lambda_from_footprint. `side`:
-// reference texels per tile period.
+// The smallest lambda that any pixel of a visible object can ask for; see loden_lambda_from_footprint.
+// `side`: reference texels per tile period.
 float demandLambda(const View& view, const Bounds& world, float periods_per_metre, int side);
 
 // Positions and targets at given times, interpolated by cubic Hermite curves whose slopes are the central

@@ -23,8 +23,10 @@ Result<std::string_view> gltfJson(std::span<const std::byte> bytes, const std::s
   if (!text.starts_with("glTF")) return text;
   constexpr uint32_t kJsonChunk = 0x4E4F534A;
   constexpr size_t kHeader = 20;  // file header and the first chunk's
-  if (bytes.size() < kHeader || readU32(bytes, 16) != kJsonChunk || readU32(bytes, 12) > bytes.size() - kHeader)
-    return Issue{issue_id::kGltfParse, Severity::kError, name + ": header", "the .glb header or its JSON chunk is damaged"};
+  if (bytes.size() < kHeader || readU32(bytes, 16) != kJsonChunk ||
+      readU32(bytes, 12) > bytes.size() - kHeader)
+    return Issue{issue_id::kGltfParse, Severity::kError, name + ": header",
+                 "the .glb header or its JSON chunk is damaged"};
   return text.substr(kHeader, readU32(bytes, 12));
 }
 
@@ -33,7 +35,8 @@ Result<std::vector<std::byte>> readRegularFile(const fs::path& path) {
     return Issue{id, Severity::kError, path.string(), why};
   };
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) return fail(issue_id::kCannotOpen, "no such file, or not a regular file");
+  if (!fs::is_regular_file(path, error))
+    return fail(issue_id::kCannotOpen, "no such file, or not a regular file");
   const uint64_t size = fs::file_size(path, error);
   if (error) return fail(issue_id::kCannotOpen, error.message());
   if (size > kMaxGltfBytes) return fail(issue_id::kCannotRead, "larger than 1 GiB");

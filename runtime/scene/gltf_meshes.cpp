@@ -22,10 +22,11 @@ std::string uvName(const Reader& reader, const tinygltf::Primitive& primitive) {
   return "TEXCOORD_" + std::to_string(set);
 }
 
-// One attribute, which must have as many elements as there are vertices, handed to `store` element by element.
+// One attribute, which must have as many elements as there are vertices, handed to `store` element by
+// element.
 template <int kComponents, class Store>
-Status readAttribute(const Reader& reader, int accessor, const std::string& place, std::vector<Vertex>& vertices,
-                     const Store& store) {
+Status readAttribute(const Reader& reader, int accessor, const std::string& place,
+                     std::vector<Vertex>& vertices, const Store& store) {
   const auto values = readFloats(reader, accessor, kComponents, place);
   if (!values) return values.issue();
   if (values->size() != vertices.size() * kComponents)
@@ -36,8 +37,10 @@ Status readAttribute(const Reader& reader, int accessor, const std::string& plac
   return {};
 }
 
-Status readPositions(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place, Mesh& mesh) {
-  const auto positions = readFloats(reader, attribute(primitive, "POSITION"), 3, place + ".attributes.POSITION");
+Status readPositions(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+                     Mesh& mesh) {
+  const auto positions =
+      readFloats(reader, attribute(primitive, "POSITION"), 3, place + ".attributes.POSITION");
   if (!positions) return positions.issue();
   if (positions->size() / 3 > kMaxVertices)
     return reader.issue(issue_id::kGltfAccessor, place, "too many vertices");
@@ -47,7 +50,8 @@ Status readPositions(const Reader& reader, const tinygltf::Primitive& primitive,
   return {};
 }
 
-Status readTriangles(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place, Mesh& mesh) {
+Status readTriangles(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+                     Mesh& mesh) {
   const auto count = static_cast<uint32_t>(mesh.vertices.size());
   if (primitive.indices >= 0) {
     auto indices = readIndices(reader, primitive.indices, count, place + ".indices");
@@ -62,7 +66,8 @@ Status readTriangles(const Reader& reader, const tinygltf::Primitive& primitive,
   return {};
 }
 
-Status readNormals(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place, Mesh& mesh) {
+Status readNormals(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+                   Mesh& mesh) {
   const int accessor = attribute(primitive, "NORMAL");
   if (accessor < 0) return computeNormals(mesh), Status();
   return readAttribute<3>(reader, accessor, place + ".attributes.NORMAL", mesh.vertices,
@@ -73,16 +78,20 @@ Status readNormals(const Reader& reader, const tinygltf::Primitive& primitive, c
                           });
 }
 
-Status readUvs(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place, Mesh& mesh) {
+Status readUvs(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+               Mesh& mesh) {
   const std::string name = uvName(reader, primitive);
   const int accessor = attribute(primitive, name);
   if (accessor < 0) return {};
   return readAttribute<2>(reader, accessor, place + ".attributes." + name, mesh.vertices,
-                          [](Vertex& vertex, const float* v) { vertex.uv = {v[0], v[1]}; });
+                          [](Vertex& vertex, const float* v) {
+                            vertex.uv = {v[0], v[1]};
+                          });
 }
 
 // glTF's tangents belong to TEXCOORD_0 of normal maps, whose v runs downwards.
-Status readTangents(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place, Mesh& mesh) {
+Status readTangents(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+                    Mesh& mesh) {
   const int accessor = attribute(primitive, "TANGENT");
   if (accessor < 0 || uvName(reader, primitive) != "TEXCOORD_0") return computeTangents(mesh), Status();
   return readAttribute<4>(reader, accessor, place + ".attributes.TANGENT", mesh.vertices,

@@ -56,7 +56,8 @@ Light lightOf(const tinygltf::Light& source, const glm::mat4& world) {
   glm::vec3 color(1);
   if (source.color.size() == 3) color = glm::vec3(source.color[0], source.color[1], source.color[2]);
   const glm::vec3 intensity = color * static_cast<float>(source.intensity);
-  light.intensity = std::isfinite(intensity.x + intensity.y + intensity.z) ? glm::max(intensity, glm::vec3(0)) : glm::vec3(0);
+  light.intensity = std::isfinite(intensity.x + intensity.y + intensity.z) ? glm::max(intensity, glm::vec3(0))
+                                                                           : glm::vec3(0);
   light.range = source.range > 0 && source.range < 1e9 ? static_cast<float>(source.range) : 0.0f;
   light.cos_inner = std::cos(static_cast<float>(source.spot.innerConeAngle));
   light.cos_outer = std::cos(static_cast<float>(source.spot.outerConeAngle));
@@ -69,7 +70,8 @@ Result<int> lightIndex(const Reader& reader, const tinygltf::Node& node, const s
   if (found == node.extensions.end()) return -1;
   const std::optional<int> index = indexMember(found->second, "light");
   if (!index || size_t(*index) >= reader.model.lights.size())
-    return reader.issue(issue_id::kGltfNode, place + ".extensions.KHR_lights_punctual", "light does not exist");
+    return reader.issue(issue_id::kGltfNode, place + ".extensions.KHR_lights_punctual",
+                        "light does not exist");
   return *index;
 }
 
@@ -78,7 +80,8 @@ Status addNode(Reader& reader, size_t index, const glm::mat4& world) {
   const std::string place = at("nodes", index);
   const auto bad = [&](const char* text) { return reader.issue(issue_id::kGltfNode, place, text); };
   if (!isFinite(world)) return bad("its world transform is not finite");
-  if (node.mesh < -1 || node.mesh >= static_cast<int>(reader.model.meshes.size())) return bad("mesh does not exist");
+  if (node.mesh < -1 || node.mesh >= static_cast<int>(reader.model.meshes.size()))
+    return bad("mesh does not exist");
   if (node.camera < -1 || node.camera >= static_cast<int>(reader.model.cameras.size()))
     return bad("camera does not exist");
   const Result<int> light = lightIndex(reader, node, place);
@@ -128,12 +131,14 @@ Status readNodes(Reader& reader) {
     if (next.node < 0 || size_t(next.node) >= visited.size())
       return reader.issue(issue_id::kGltfNode, at("nodes", size_t(next.node)), "does not exist");
     if (visited[next.node])
-      return reader.issue(issue_id::kGltfNode, at("nodes", next.node), "is part of a loop, or has two parents");
+      return reader.issue(issue_id::kGltfNode, at("nodes", next.node),
+                          "is part of a loop, or has two parents");
     visited[next.node] = true;
     const tinygltf::Node& node = reader.model.nodes[next.node];
     const glm::mat4 world = next.parent * localTransform(node);
     if (Status status = addNode(reader, next.node, world); !status) return status;
-    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) stack.push_back({*child, world});
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      stack.push_back({*child, world});
   }
   return {};
 }

@@ -39,7 +39,9 @@ struct Reader {
   }
 };
 
-inline std::string at(const std::string& array, size_t index) { return array + "[" + std::to_string(index) + "]"; }
+inline std::string at(const std::string& array, size_t index) {
+  return array + "[" + std::to_string(index) + "]";
+}
 
 // The bytes of a buffer view, checked in 64 bit.
 struct View {
@@ -50,9 +52,11 @@ struct View {
 Result<View> readView(const Reader& reader, int view, const std::string& place);
 
 // `components` (1..4) floats per element, of a float or normalised integer accessor; every value finite.
-Result<std::vector<float>> readFloats(const Reader& reader, int accessor, int components, const std::string& place);
+Result<std::vector<float>> readFloats(const Reader& reader, int accessor, int components,
+                                      const std::string& place);
 // Unsigned integers of a scalar accessor, each below `limit`.
-Result<std::vector<uint32_t>> readIndices(const Reader& reader, int accessor, uint32_t limit, const std::string& place);
+Result<std::vector<uint32_t>> readIndices(const Reader& reader, int accessor, uint32_t limit,
+                                          const std::string& place);
 
 // Parts of the document, in the order in which they depend on each other.
 Status readAssets(Reader& reader);

@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "material/system/confined_path.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/json_depth.h"
+#include "material/system/confined_path.h"
 #include "runtime/scene/gltf_guard.h"
 #include "runtime/scene/gltf_reader.h"
 
@@ -31,7 +31,8 @@ struct ConfinedFiles {
     return path && std::filesystem::is_regular_file(*path, error);
   }
   static std::string expand(const std::string& name, void*) { return name; }
-  static bool readWhole(std::vector<unsigned char>* out, std::string* message, const std::string& name, void* self) {
+  static bool readWhole(std::vector<unsigned char>* out, std::string* message, const std::string& name,
+                        void* self) {
     const auto path = find(name, self);
     auto bytes = path ? readRegularFile(*path) : Result<std::vector<std::byte>>(path.issue());
     if (!bytes) {
@@ -42,12 +43,15 @@ struct ConfinedFiles {
     out->assign(first, first + bytes->size());
     return true;
   }
-  static bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
+  static bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  }
 
   tinygltf::FsCallbacks callbacks() { return {&exists, &expand, &readWhole, &refuseWrite, this}; }
 };
 
-bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
+               void*) {
   return true;
 }
 
@@ -74,7 +78,9 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
   const bool ok = binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, data, size, "")
                          : loader.LoadASCIIFromString(&model, &error, &warning,
                                                       reinterpret_cast<const char*>(data), size, "");
-  if (!ok && files.refused) return Issue{files.refused->id, Severity::kError, file + ": " + files.refused->where, files.refused->text};
+  if (!ok && files.refused)
+    return Issue{files.refused->id, Severity::kError, file + ": " + files.refused->where,
+                 files.refused->text};
   if (!ok) return Issue{issue_id::kGltfParse, Severity::kError, file, error.substr(0, 500)};
   return model;
 }

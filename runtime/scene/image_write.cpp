@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "material/system/atomic_file.h"
 #include "material/base/check.h"
 #include "material/base/issues.h"
+#include "material/system/atomic_file.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC

@@ -85,10 +85,12 @@ Status checkTopology(const Cage& cage, const std::string& place) {
   for (int q = 0; q < cage.quads(); ++q) {
     const int* c = &cage.position_of_corner[4 * q];
     const std::set<int> distinct(c, c + 4);
-    if (distinct.size() != 4) return cageIssue(place, "quad " + std::to_string(q) + " has two corners at one place");
+    if (distinct.size() != 4)
+      return cageIssue(place, "quad " + std::to_string(q) + " has two corners at one place");
     for (int k = 0; k < 4; ++k)
       if (!edges.insert({c[k], c[(k + 1) % 4]}).second)
-        return cageIssue(place, "quad " + std::to_string(q) + " shares an edge with two others, or is turned over");
+        return cageIssue(place,
+                         "quad " + std::to_string(q) + " shares an edge with two others, or is turned over");
   }
   return {};
 }
@@ -143,8 +145,8 @@ struct Limit {
 };
 
 template <class Value>
-Limit<Value> evaluateLimit(const Far::TopologyRefiner& refiner, const Grid& grid, const std::vector<Value>& cage_values,
-                           unsigned interpolation, int quads) {
+Limit<Value> evaluateLimit(const Far::TopologyRefiner& refiner, const Grid& grid,
+                           const std::vector<Value>& cage_values, unsigned interpolation, int quads) {
   // The factory of the same name without Real makes one of these, too, and casts it to what it is not.
   using Factory = Far::LimitStencilTableFactoryReal<float>;
   Factory::LocationArrayVec places(quads);
@@ -178,8 +180,8 @@ Limit<Value> evaluateLimit(const Far::TopologyRefiner& refiner, const Grid& grid
 }
 
 // dP/du of a surface given over (s, t), made orthogonal to the normal; w as in Vertex.
-glm::vec4 tangentOf(const glm::vec3& normal, const glm::vec3& dp_ds, const glm::vec3& dp_dt, const glm::vec2& duv_ds,
-                    const glm::vec2& duv_dt) {
+glm::vec4 tangentOf(const glm::vec3& normal, const glm::vec3& dp_ds, const glm::vec3& dp_dt,
+                    const glm::vec2& duv_ds, const glm::vec2& duv_dt) {
   const float area = duv_ds.x * duv_dt.y - duv_dt.x * duv_ds.y;
   if (!(std::abs(area) > 1e-20f)) return {1, 0, 0, 0};
   const glm::vec3 dp_du = (dp_ds * duv_dt.y - dp_dt * duv_ds.y) / area;
@@ -208,8 +210,10 @@ class SharedPoints {
     const int n = grid_.n;
     const int* c = &cage_.position_of_corner[4 * q];
     int from = c[0], to = c[1], step = i;  // t = 0: corner 0 to 1
-    if (j == n) from = c[3], to = c[2];
-    else if (j != 0) from = i == 0 ? c[0] : c[1], to = i == 0 ? c[3] : c[2], step = j;
+    if (j == n)
+      from = c[3], to = c[2];
+    else if (j != 0)
+      from = i == 0 ? c[0] : c[1], to = i == 0 ? c[3] : c[2], step = j;
     if (step == 0) return {from, from, 0};
     if (step == n) return {to, to, 0};
     return from < to ? std::array{from, to, step} : std::array{to, from, n - step};
@@ -266,9 +270,11 @@ Result<Mesh> limitSurface(const Mesh& mesh, int levels, const std::string& place
   if (!refiner) return cageIssue(place, "the cage is not a manifold of quads");
 
   using Factory = Far::LimitStencilTableFactory;
-  const auto position = evaluateLimit(*refiner, grid, cage.positions, Factory::INTERPOLATE_VERTEX, cage.quads());
+  const auto position =
+      evaluateLimit(*refiner, grid, cage.positions, Factory::INTERPOLATE_VERTEX, cage.quads());
   const auto uv = evaluateLimit(*refiner, grid, cage.uvs, Factory::INTERPOLATE_FACE_VARYING, cage.quads());
-  if (position.value.empty() || uv.value.empty()) return cageIssue(place, "the limit surface cannot be evaluated");
+  if (position.value.empty() || uv.value.empty())
+    return cageIssue(place, "the limit surface cannot be evaluated");
   Mesh result;
   result.name = mesh.name;
   result.vertices = makeVertices(cage, grid, position, uv);

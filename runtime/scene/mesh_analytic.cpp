@@ -7,9 +7,12 @@ namespace {
 
 glm::ivec2 segmentsOf(SurfaceKind kind) {
   switch (kind) {
-    case SurfaceKind::kCylinder: return {768, 1};
-    case SurfaceKind::kSphere: return {768, 384};
-    case SurfaceKind::kPlane: break;
+    case SurfaceKind::kCylinder:
+      return {768, 1};
+    case SurfaceKind::kSphere:
+      return {768, 384};
+    case SurfaceKind::kPlane:
+      break;
   }
   return {1, 1};
 }
@@ -27,7 +30,8 @@ Mesh analyticMesh(const AnalyticSurface& surface) {
   Mesh mesh;
   mesh.name = "surface";
   for (int j = 0; j <= n.y; ++j)
-    for (int i = 0; i <= n.x; ++i) mesh.vertices.push_back(vertexAt(surface, {double(i) / n.x, double(j) / n.y}));
+    for (int i = 0; i <= n.x; ++i)
+      mesh.vertices.push_back(vertexAt(surface, {double(i) / n.x, double(j) / n.y}));
   const uint32_t row = n.x + 1;
   for (int j = 0; j < n.y; ++j)
     for (int i = 0; i < n.x; ++i) {

@@ -11,8 +11,8 @@ namespace loden::runtime {
 // uv = tile coordinates x; fine enough that silhouettes and normals are exact to a fraction of a pixel.
 Mesh analyticMesh(const AnalyticSurface& surface);
 
-// The surface covered with one asset, and a sun of irradiance pi from `to_light` (unit, world): what `loden trace`
-// traces. z is up.
+// The surface covered with one asset, and a sun of irradiance pi from `to_light` (unit, world): what `loden
+// trace` traces. z is up.
 Scene analyticScene(SurfaceKind kind, const std::filesystem::path& asset, const glm::vec3& to_light);
 
 }  // namespace loden::runtime

@@ -18,7 +18,8 @@ Bounds transformed(const Bounds& bounds, const glm::mat4& transform) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Bounds result{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec3 local((corner & 1) ? bounds.max.x : bounds.min.x, (corner & 2) ? bounds.max.y : bounds.min.y,
+    const glm::vec3 local((corner & 1) ? bounds.max.x : bounds.min.x,
+                          (corner & 2) ? bounds.max.y : bounds.min.y,
                           (corner & 4) ? bounds.max.z : bounds.min.z);
     const glm::vec3 world(transform * glm::vec4(local, 1));
     result.min = glm::min(result.min, world);

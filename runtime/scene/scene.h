@@ -15,13 +15,13 @@
 namespace loden::runtime {
 
 struct Vertex {
-  glm::vec3 position{0};        // local frame
-  glm::vec3 normal{0, 0, 1};    // unit
-  // xyz: unit, dP/du made orthogonal to the normal. w: sign such that dP/dv runs along w * cross(normal, xyz),
-  // -1 where UVs are mirrored; 0 where there is no usable tangent and the shader derives a frame itself.
-  // glTF's own sign is the opposite, because its v runs downwards.
+  glm::vec3 position{0};      // local frame
+  glm::vec3 normal{0, 0, 1};  // unit
+  // xyz: unit, dP/du made orthogonal to the normal. w: sign such that dP/dv runs along w * cross(normal,
+  // xyz), -1 where UVs are mirrored; 0 where there is no usable tangent and the shader derives a frame
+  // itself. glTF's own sign is the opposite, because its v runs downwards.
   glm::vec4 tangent{1, 0, 0, 0};
-  glm::vec2 uv{0};              // unitless, any range; the set that the mesh's material asks for
+  glm::vec2 uv{0};  // unitless, any range; the set that the mesh's material asks for
 };
 
 struct Bounds {
@@ -40,17 +40,17 @@ struct Mesh {
 
 // A .loden file that the scene names, or carries.
 struct SceneAsset {
-  std::filesystem::path path;      // empty if embedded
+  std::filesystem::path path;  // empty if embedded
   std::vector<std::byte> embedded;
-  std::string name;                // for messages
+  std::string name;  // for messages
 };
 
 // LODEN_materials_flat_btf on a material: x = rotation(scale * uv), in tile periods.
 struct FlatBtfBinding {
-  int asset = 0;              // index into Scene::assets
-  int tex_coord = 0;          // glTF TEXCOORD set
-  glm::vec2 scale{1, 1};      // tile periods per unit of uv
-  float rotation = 0;         // radians, from u towards v
+  int asset = 0;          // index into Scene::assets
+  int tex_coord = 0;      // glTF TEXCOORD set
+  glm::vec2 scale{1, 1};  // tile periods per unit of uv
+  float rotation = 0;     // radians, from u towards v
 };
 
 struct SceneMaterial {
@@ -73,12 +73,12 @@ struct Instance {
 enum class LightKind { kSun, kPoint, kSpot };
 struct Light {
   LightKind kind = LightKind::kPoint;
-  glm::vec3 position{0};         // world; unused by a sun
+  glm::vec3 position{0};          // world; unused by a sun
   glm::vec3 direction{0, -1, 0};  // unit, the way the light travels; unused by a point light
   // colour * intensity: a sun's irradiance on a surface that faces it, the others' radiant intensity. With
   // irradiance pi a white Lambert surface facing the light is 1.
   glm::vec3 intensity{1};
-  float range = 0;               // metres; 0 means no end
+  float range = 0;                     // metres; 0 means no end
   float cos_inner = 1, cos_outer = 0;  // of a spot light's cone
 };
 

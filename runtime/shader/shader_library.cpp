@@ -109,7 +109,8 @@ Result<uint32_t> ShaderLibrary::program(std::string_view row_name, const Materia
   if (const auto found = programs_.find(label); found != programs_.end()) return found->second.name();
   const ProgramRow* row = findProgramRow(row_name);
   if (row == nullptr || !rowAllows(*row, variant))
-    return Issue{issue_id::kShader, Severity::kError, label, "no row of runtime/stream/shader_variants.h allows this program"};
+    return Issue{issue_id::kShader, Severity::kError, label,
+                 "no row of runtime/stream/shader_variants.h allows this program"};
   const auto start = std::chrono::steady_clock::now();
   Result<GlProgram> program = build(*row, variant, label);
   stats_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -119,7 +120,8 @@ Result<uint32_t> ShaderLibrary::program(std::string_view row_name, const Materia
   return name;
 }
 
-Result<GlProgram> ShaderLibrary::build(const ProgramRow& row, const MaterialVariant& variant, const std::string& label) {
+Result<GlProgram> ShaderLibrary::build(const ProgramRow& row, const MaterialVariant& variant,
+                                       const std::string& label) {
   const auto entry = [](std::string_view file) {
     return ShaderText{std::string(file), std::string(file.empty() ? "" : shaderSource(file))};
   };
@@ -129,7 +131,8 @@ Result<GlProgram> ShaderLibrary::build(const ProgramRow& row, const MaterialVari
   const ShaderText vertex = entry(row.vertex), fragment = entry(row.fragment);
   for (const ShaderText* file : {&vertex, &fragment})
     if (file->text.empty() && !file->name.empty())
-      return Issue{issue_id::kShader, Severity::kError, label, "no embedded shader file is named " + file->name};
+      return Issue{issue_id::kShader, Severity::kError, label,
+                   "no embedded shader file is named " + file->name};
   Result<AssembledProgram> source = assembleProgram(vertex, fragment, defines);
   if (!source) return source.issue();
 

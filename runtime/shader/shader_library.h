@@ -48,8 +48,8 @@ class ShaderLibrary {
   ShaderStats stats_;
 };
 
-// Low level: text with `#include "loden_material.glsl"` lines, resolved among the embedded files, each file at
-// most once. `defines` become `#define` lines after `#version 450 core`.
+// Low level: text with `#include "loden_material.glsl"` lines, resolved among the embedded files, each file
+// at most once. `defines` become `#define` lines after `#version 450 core`.
 struct ShaderText {
   std::string name;  // for messages
   std::string text;

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "material/asset/asset.h"
-#include "material/model/environment.h"
 #include "material/base/issues.h"
+#include "material/model/environment.h"
 #include "runtime/stream/shader_variants.h"
 
 namespace loden::runtime {
@@ -18,7 +18,9 @@ namespace {
 constexpr float kLeastSpecular = 1.0f / 2048;
 
 // Reciprocal of a ramp's length; a step becomes a very steep ramp.
-float ramp(float begin, float end) { return 1.0f / std::max(end - begin, 1e-6f); }
+float ramp(float begin, float end) {
+  return 1.0f / std::max(end - begin, 1e-6f);
+}
 
 glm::vec4 windowData(const Window& w) {
   return {w.in_begin, ramp(w.in_begin, w.in_end), w.out_end, ramp(w.out_begin, w.out_end)};
@@ -53,7 +55,8 @@ void readLead(LodenBandData& data, const Band& band) {
 
 // The quads behind the leading ones count by `share`.
 void fadeRest(LodenBandData& data, const Band& band, float share) {
-  for (int quad = band.lead_quads; quad < band.quads(); ++quad) data.quad_scale[quad] = band.quad_scale[size_t(quad)] * share;
+  for (int quad = band.lead_quads; quad < band.quads(); ++quad)
+    data.quad_scale[quad] = band.quad_scale[size_t(quad)] * share;
   data.rest_share = share;
   data.first_rest = float(band.lead_quads);
 }
@@ -63,18 +66,21 @@ Issue limitIssue(const Material& material, const std::string& text) {
 }
 
 int lightFactors(const Material& material) {
-  return int(std::count_if(material.bands.begin(), material.bands.end(), [](const Band& band) { return band.light_quads > 0; }));
+  return int(std::count_if(material.bands.begin(), material.bands.end(),
+                           [](const Band& band) { return band.light_quads > 0; }));
 }
 
 static_assert(ShaderLimits::kMaxBands == LODEN_MAX_BANDS && ShaderLimits::kMaxQuads == LODEN_MAX_QUADS);
 
 Status checkBands(const Material& material) {
-  if (material.bands.empty()) return limitIssue(material, "a material without bands and surface maps cannot be drawn");
+  if (material.bands.empty())
+    return limitIssue(material, "a material without bands and surface maps cannot be drawn");
   if (material.bands.size() > LODEN_MAX_BANDS)
     return limitIssue(material, std::to_string(material.bands.size()) + " bands, shaders read " +
                                     std::to_string(LODEN_MAX_BANDS) + "; cook with fewer levels");
   if (lightFactors(material) > (material.bands.size() <= kMostLightFactorBands ? 1 : 0))
-    return limitIssue(material, "more than one light factor, or one among more than " + std::to_string(kMostLightFactorBands) + " bands");
+    return limitIssue(material, "more than one light factor, or one among more than " +
+                                    std::to_string(kMostLightFactorBands) + " bands");
   for (const Band& band : material.bands) {
     if (band.layout != material.bands.front().layout) return limitIssue(material, "bands mix table layouts");
     const int quads = band.quads() + band.light_quads;
@@ -96,7 +102,8 @@ bool readsParameter(const Material& material) {
 Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup) {
   MaterialVariant variant;
   if (material.mode == Mode::kSurface) {
-    if (!material.surface) return limitIssue(material, "a surface material without surface maps cannot be drawn");
+    if (!material.surface)
+      return limitIssue(material, "a surface material without surface maps cannot be drawn");
     variant.kind = MaterialVariant::Kind::kSurface;
   } else {
     if (Status status = checkBands(material); !status) return status.issue();
@@ -107,7 +114,8 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup)
   }
   const bool has_geometry = material.geometry.side() > 0;
   if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
-  if (material.stored_vdim && !variant.nearest_tables && !variant.light_factor && (lookup == Lookup::kPaper || !has_geometry))
+  if (material.stored_vdim && !variant.nearest_tables && !variant.light_factor &&
+      (lookup == Lookup::kPaper || !has_geometry))
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
     variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
@@ -130,13 +138,15 @@ LodenMaterialData makeMaterialData(const Material& m) {
     data.paper_size = {m.stored_vdim->zeniths, m.stored_vdim->azimuths};
   }
   data.value_scale = m.value_scale, data.side = float(m.side), data.lambda_max = m.lambda_max;
-  if (m.surface) data.specular_scale = m.surface->specular_scale, data.surface_lambda = m.surface->lambda_first;
+  if (m.surface)
+    data.specular_scale = m.surface->specular_scale, data.surface_lambda = m.surface->lambda_first;
   if (!m.bands.empty()) {
     const EnvironmentMean mean = environmentMean(m);
     std::copy(mean.rows.begin(), mean.rows.end(), data.environment_mean);
     data.environment_unit = mean.unit;
   }
-  for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b) data.bands[b] = bandData(m.bands[b]);
+  for (size_t b = 0; b < std::min<size_t>(m.bands.size(), LODEN_MAX_BANDS); ++b)
+    data.bands[b] = bandData(m.bands[b]);
   return data;
 }
 
@@ -146,7 +156,9 @@ float coarsestLevel(const Material& material) {
   return maps.lambda_first + float(std::max({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1);
 }
 
-float coarsestFade(const Material& material) { return material.mode == Mode::kSurface ? 3 : 1; }
+float coarsestFade(const Material& material) {
+  return material.mode == Mode::kSurface ? 3 : 1;
+}
 
 float coarsestShare(const Material& material, const ResidentState& state) {
   return glm::clamp((coarsestLevel(material) - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);
@@ -156,15 +168,18 @@ void applyResidency(LodenMaterialData& data, const Material& material, const Res
   data.resident_lambda = std::max(std::min(state.lambda, coarsestLevel(material)), material.lambda_min);
   data.geometry_resident = state.atlas.texels > 0 ? 1 : 0;
   data.atlas_texels = state.atlas.texels, data.atlas_directions = state.atlas.directions;
-  if (material.surface) data.surface_lambda = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
+  if (material.surface)
+    data.surface_lambda = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
   // A band that is needed at every lambda has no window to come in by: its weight follows the published
   // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
   const float share = coarsestShare(material, state);
   for (size_t b = 0; b < std::min<size_t>(material.bands.size(), LODEN_MAX_BANDS); ++b) {
     const Window& window = material.bands[b].window;
     data.bands[b] = bandData(material.bands[b]);
-    if ((state.leads >> b & 1) != 0) readLead(data.bands[b], material.bands[b]);
-    else if (material.bands[b].lead_quads > 0) fadeRest(data.bands[b], material.bands[b], state.rest[b]);
+    if ((state.leads >> b & 1) != 0)
+      readLead(data.bands[b], material.bands[b]);
+    else if (material.bands[b].lead_quads > 0)
+      fadeRest(data.bands[b], material.bands[b], state.rest[b]);
     const bool resident = (state.bands >> b & 1) != 0;
     if (!resident)
       data.bands[b].window = {0, 0, 0, 0};

@@ -62,7 +62,9 @@ void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
   parts.insert(finer, {PartKind::kSurface, 0, {}, desc});
 }
 
-bool readsAtlas(Lookup lookup) { return lookup == Lookup::kFast || lookup == Lookup::kDefault; }
+bool readsAtlas(Lookup lookup) {
+  return lookup == Lookup::kFast || lookup == Lookup::kDefault;
+}
 
 void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end,
                    VdimAtlasSize full) {
@@ -194,14 +196,17 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
   };
   switch (part.kind) {
     case PartKind::kBandLead:
-    case PartKind::kSurfaceTail: return;  // the whole follows, and is larger
+    case PartKind::kSurfaceTail:
+      return;  // the whole follows, and is larger
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
       add("a band table", material.bands[size_t(part.band)].table);
       if (material.bands[size_t(part.band)].light_quads > 0)
         add("a light table", material.bands[size_t(part.band)].light_table);
       return;
-    case PartKind::kGeometry: add("a geometry image", material.geometry.texels); [[fallthrough]];
+    case PartKind::kGeometry:
+      add("a geometry image", material.geometry.texels);
+      [[fallthrough]];
     case PartKind::kAtlas:
       all.push_back({"a VDIM atlas",
                      TextureShape::kArray2D,
@@ -265,13 +270,20 @@ Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const K
                             const std::stop_token& stop) {
   using enum AssetFile::Share;
   switch (plan.kind) {
-    case PartKind::kBandLead: return loadBandPart(file, plan.band, kFirst, nullptr);
-    case PartKind::kBand: return loadBandPart(file, plan.band, kAll, kept);
-    case PartKind::kGeometry: return loadGeometryPart(file, plan.atlas, threads, stop);
-    case PartKind::kAtlas: return loadAtlasPart(file, plan.atlas, kept, threads, stop);
-    case PartKind::kStoredVdim: return loadStoredVdimPart(file);
-    case PartKind::kSurfaceTail: return loadSurfacePart(file, kFirst, nullptr);
-    case PartKind::kSurface: break;
+    case PartKind::kBandLead:
+      return loadBandPart(file, plan.band, kFirst, nullptr);
+    case PartKind::kBand:
+      return loadBandPart(file, plan.band, kAll, kept);
+    case PartKind::kGeometry:
+      return loadGeometryPart(file, plan.atlas, threads, stop);
+    case PartKind::kAtlas:
+      return loadAtlasPart(file, plan.atlas, kept, threads, stop);
+    case PartKind::kStoredVdim:
+      return loadStoredVdimPart(file);
+    case PartKind::kSurfaceTail:
+      return loadSurfacePart(file, kFirst, nullptr);
+    case PartKind::kSurface:
+      break;
   }
   return loadSurfacePart(file, kAll, kept);
 }

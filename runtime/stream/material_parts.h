@@ -25,29 +25,39 @@ struct PartPlan {
   PartDesc desc;
 };
 
-// Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is at lambda 0.
+// Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is
+// at lambda 0.
 inline constexpr float kFirstAtlasLambda = 1;
 
-// Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands. Surface maps come
-// before their geometry, or their tail does. A leading part (material/model/leading_part.h) stands before the whole, has textures of its
-// own, and is shown again when the whole goes. Last the full atlas, if it is larger than the first. Only what the variant reads.
-std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant, VdimAtlasSize full_atlas);
+// Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.
+// Surface maps come before their geometry, or their tail does. A leading part (material/model/leading_part.h)
+// stands before the whole, has textures of its own, and is shown again when the whole goes. Last the full
+// atlas, if it is larger than the first. Only what the variant reads.
+std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant,
+                                VdimAtlasSize full_atlas);
 
 // kLimit if a texture of one of the parts is larger than the driver takes.
 Status checkExtents(const Material& skeleton, std::span<const PartPlan> parts, const Capabilities& gl);
 
 // How a texture is sampled when its unit is bound.
-enum class Sampling : uint8_t { kRepeatTrilinear, kRepeatLinear, kRepeatNearest, kClampLinear, kClampNearest };
+enum class Sampling : uint8_t {
+  kRepeatTrilinear,
+  kRepeatLinear,
+  kRepeatNearest,
+  kClampLinear,
+  kClampNearest
+};
 
 struct PartTexture {
   int unit = 0;  // of shaders/loden_shared.h
   Sampling sampling = Sampling::kRepeatTrilinear;
-  bool plain_2d = false;  // a geometry image: GL_TEXTURE_2D of R32UI (shaders/loden_vdim.glsl) rather than an array
+  bool plain_2d =
+      false;  // a geometry image: GL_TEXTURE_2D of R32UI (shaders/loden_vdim.glsl) rather than an array
   const char* label = "";
   Texture texels;
 };
-// What a part was made of, if a later part begins with the same: kept until that is asked for, since reading it again would cost
-// more than the memory does for the while.
+// What a part was made of, if a later part begins with the same: kept until that is asked for, since reading
+// it again would cost more than the memory does for the while.
 struct KeptTexels {
   GeometryImage geometry;  // of kGeometry, for kAtlas
   Band lead;               // of kBandLead, for kBand
@@ -62,8 +72,10 @@ struct LoadedPart {
 // The kind of the part whose kept texels such a part begins with; its own kind if there is none.
 PartKind beginsWith(PartKind kind);
 
-// Reads, checks and decompresses; builds VDIM atlases. What is kept of the part that this one begins with is not read again;
-// null: all is read. After a stop an atlas comes back before it is whole. For the loading threads.
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads, const std::stop_token& stop = {});
+// Reads, checks and decompresses; builds VDIM atlases. What is kept of the part that this one begins with is
+// not read again; null: all is read. After a stop an atlas comes back before it is whole. For the loading
+// threads.
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads,
+                            const std::stop_token& stop = {});
 
 }  // namespace loden::runtime

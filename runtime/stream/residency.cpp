@@ -23,7 +23,8 @@ uint32_t Residency::add(std::vector<PartDesc> parts) {
   for (const PartDesc& desc : parts) {
     LODEN_CHECK(!desc.refines || !material.parts.empty());
     bytes += desc.bytes;
-    if (bytes <= options_.floor_bytes && !desc.refines && material.floor_parts == material.parts.size()) ++material.floor_parts;
+    if (bytes <= options_.floor_bytes && !desc.refines && material.floor_parts == material.parts.size())
+      ++material.floor_parts;
     material.published = std::max(material.published, desc.lambda_end);
     material.parts.push_back({desc});
   }
@@ -143,7 +144,8 @@ void Residency::deactivateWhatRests() {
   });
 }
 
-// Leading parts that this frame's demand asks for: the floor, where nobody looks as far as the share for that holds it.
+// Leading parts that this frame's demand asks for: the floor, where nobody looks as far as the share for that
+// holds it.
 uint32_t Residency::wantedParts(const Material& material) {
   uint32_t count = 0;
   if (seen(material)) {
@@ -159,10 +161,10 @@ uint32_t Residency::wantedParts(const Material& material) {
   return count;
 }
 
-// Wanted parts, the most needed first: floors, then what brings a material nearer to its demand, the furthest from it first, then
-// refinements. What is already there gets a head start, so that two materials of equal need do not push each other out in turns. Floors
-// that are there need no place in the order: they come first anyway. Nor do those of what is not seen, whose share is
-// theirs: they are only read last.
+// Wanted parts, the most needed first: floors, then what brings a material nearer to its demand, the furthest
+// from it first, then refinements. What is already there gets a head start, so that two materials of equal
+// need do not push each other out in turns. Floors that are there need no place in the order: they come first
+// anyway. Nor do those of what is not seen, whose share is theirs: they are only read last.
 void Residency::collectCandidates() {
   candidates_.clear();
   target_bytes_ = unseen_floor_bytes_ = resting_bytes_;
@@ -184,7 +186,8 @@ void Residency::collectCandidates() {
       const float own_rank = std::min(rank, tooCoarseWithout(part, material) + head_start);
       if (!part.desc.refines) rank = own_rank;
       const bool floor = i < material.floor_parts;
-      if (floor && (part.state == State::kResident || !seen(material)) && part.desc.bytes <= options_.budget_bytes - target_bytes_) {
+      if (floor && (part.state == State::kResident || !seen(material)) &&
+          part.desc.bytes <= options_.budget_bytes - target_bytes_) {
         part.targeted = true;
         target_bytes_ += part.desc.bytes;
         if (part.state == State::kResident) continue;
@@ -213,12 +216,14 @@ bool Residency::followsTargets(PartRef ref) const {
   return true;
 }
 
-// Marks as many candidates as the budget holds. A part that does not fit ends its material's list, if it does not refine; smaller
-// parts of others may still fit.
+// Marks as many candidates as the budget holds. A part that does not fit ends its material's list, if it does
+// not refine; smaller parts of others may still fit.
 void Residency::chooseTargets() {
   for (const Candidate& candidate : candidates_) {
     Part& part = at(candidate.ref);
-    if (part.targeted || !followsTargets(candidate.ref) || part.desc.bytes > options_.budget_bytes - target_bytes_) continue;
+    if (part.targeted || !followsTargets(candidate.ref) ||
+        part.desc.bytes > options_.budget_bytes - target_bytes_)
+      continue;
     part.targeted = true;
     target_bytes_ += part.desc.bytes;
   }
@@ -238,11 +243,13 @@ void Residency::chooseTargets() {
 
 // A smaller budget than before: out with what is not targeted, then with what is under way.
 void Residency::evictOverBudget() {
-  while (committed_ > options_.budget_bytes && next_victim_ < victims_.size()) evict(victims_[next_victim_++]);
+  while (committed_ > options_.budget_bytes && next_victim_ < victims_.size())
+    evict(victims_[next_victim_++]);
   if (committed_ <= options_.budget_bytes) return;
   for (const uint32_t slot : active_)
     for (uint32_t i = 0; i < materials_[slot].parts.size(); ++i)
-      if (materials_[slot].parts[i].state == State::kLoading && !materials_[slot].parts[i].targeted) evict({slot, i});
+      if (materials_[slot].parts[i].state == State::kLoading && !materials_[slot].parts[i].targeted)
+        evict({slot, i});
 }
 
 // One part a frame: giving back a texture takes time, and nobody waits for the room.
@@ -254,15 +261,17 @@ void Residency::releaseUnwanted() {
   ++next_victim_;
 }
 
-// Evicts least recently wanted parts until `bytes` fit. What was wanted a moment ago and is not now stays, unless
-// something much coarser needs its room. What is wanted now and not targeted has lost its place already: the order
-// of the candidates holds its head start, and a second bar here would keep a target out for good.
+// Evicts least recently wanted parts until `bytes` fit. What was wanted a moment ago and is not now stays,
+// unless something much coarser needs its room. What is wanted now and not targeted has lost its place
+// already: the order of the candidates holds its head start, and a second bar here would keep a target out
+// for good.
 bool Residency::makeRoom(uint64_t bytes, const Candidate& wanted) {
   while (options_.budget_bytes - committed_ < bytes) {
     if (next_victim_ == victims_.size()) return false;
     const Part& victim = at(victims_[next_victim_]);
     const float victim_rank = tooCoarseWithout(victim, materials_[victims_[next_victim_].slot]);
-    const bool lingers = victim.last_wanted < frame_ && frame_ - victim.last_wanted < options_.hysteresis_frames;
+    const bool lingers =
+        victim.last_wanted < frame_ && frame_ - victim.last_wanted < options_.hysteresis_frames;
     if (lingers && wanted.rank_class > 0 && wanted.rank < victim_rank + 1) return false;
     evict(victims_[next_victim_++]);
   }
@@ -285,9 +294,10 @@ bool Residency::mayLoad(PartRef ref) const {
   if (part.state != State::kAbsent || !part.targeted) return false;
   if (part.desc.refines && refining_ > 0) return false;
   const auto before = parts.begin() + ref.part;
-  return !(part.desc.refines || part.desc.takes_over) || std::all_of(parts.begin(), before, [](const Part& earlier) {
-    return earlier.desc.refines || earlier.state == State::kResident;
-  });
+  return !(part.desc.refines || part.desc.takes_over) ||
+         std::all_of(parts.begin(), before, [](const Part& earlier) {
+           return earlier.desc.refines || earlier.state == State::kResident;
+         });
 }
 
 void Residency::requestLoads() {
@@ -319,8 +329,10 @@ void Residency::evict(PartRef ref) {
   for (uint32_t i = end; i-- > ref.part;) {
     Part& part = parts[i];
     if (part.state != State::kLoading && part.state != State::kResident) continue;
-    if (part.state == State::kLoading) stopLoading(part);
-    else --resident_parts_;
+    if (part.state == State::kLoading)
+      stopLoading(part);
+    else
+      --resident_parts_;
     part.state = State::kAbsent;
     part.share = 0;
     committed_ -= part.desc.bytes;
@@ -346,7 +358,8 @@ void Residency::publish(Material& material, float seconds) {
   const float step = std::min(seconds * options_.fade_levels_per_second, options_.fade_levels_per_frame);
   material.published = seen(material) ? std::max(missing, material.published - step) : missing;
   for (Part& part : material.parts)
-    if (part.desc.refines && part.state == State::kResident) part.share = seen(material) ? std::min(part.share + step, 1.0f) : 1;
+    if (part.desc.refines && part.state == State::kResident)
+      part.share = seen(material) ? std::min(part.share + step, 1.0f) : 1;
 }
 
 // Unseen, and holds what is wanted of it, as far as the file gives it, and no more.

@@ -8,11 +8,15 @@ namespace {
 
 const char* lookupDefine(Lookup lookup) {
   switch (lookup) {
-    case Lookup::kPaper: return "LODEN_LOOKUP_PAPER 1";
-    case Lookup::kFast: return "LODEN_LOOKUP_FAST 1";
-    case Lookup::kDefault: return "LODEN_LOOKUP_DEFAULT 1";
+    case Lookup::kPaper:
+      return "LODEN_LOOKUP_PAPER 1";
+    case Lookup::kFast:
+      return "LODEN_LOOKUP_FAST 1";
+    case Lookup::kDefault:
+      return "LODEN_LOOKUP_DEFAULT 1";
     case Lookup::kNone:
-    case Lookup::kQuality: break;
+    case Lookup::kQuality:
+      break;
   }
   return nullptr;
 }
@@ -33,13 +37,16 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (row.relief && !hasRelief(variant)) return false;
   if (variant.lookup == Lookup::kQuality) return false;  // offline
   switch (variant.kind) {
-    case MaterialVariant::Kind::kNone: return row.none && variant == MaterialVariant{};
-    case MaterialVariant::Kind::kSurface: return row.surface && variant.bands == 0 && !variant.nearest_tables && !variant.light_factor;
+    case MaterialVariant::Kind::kNone:
+      return row.none && variant == MaterialVariant{};
+    case MaterialVariant::Kind::kSurface:
+      return row.surface && variant.bands == 0 && !variant.nearest_tables && !variant.light_factor;
     case MaterialVariant::Kind::kBands:
       // The published VDIM and the nearest-direction images share texture units.
       return row.bands && variant.bands >= 1 && variant.bands <= LODEN_MAX_BANDS &&
              !(variant.nearest_tables && variant.lookup == Lookup::kPaper) &&
-             !(variant.light_factor && (variant.nearest_tables || variant.lookup == Lookup::kPaper || variant.bands > kMostLightFactorBands));
+             !(variant.light_factor && (variant.nearest_tables || variant.lookup == Lookup::kPaper ||
+                                        variant.bands > kMostLightFactorBands));
   }
   return false;
 }
@@ -68,7 +75,8 @@ int unitsOf(const MaterialVariant& variant) {
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   std::vector<std::string> defines;
   if (variant.kind == MaterialVariant::Kind::kSurface) defines.push_back("LODEN_MODE_SURFACE 1");
-  if (variant.kind == MaterialVariant::Kind::kBands) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
+  if (variant.kind == MaterialVariant::Kind::kBands)
+    defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
   if (variant.light_factor) defines.push_back("LODEN_LIGHT_FACTOR 1");
@@ -78,7 +86,8 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
 
 std::string variantName(const MaterialVariant& variant) {
   if (variant.kind == MaterialVariant::Kind::kNone) return "plain";
-  std::string name = variant.kind == MaterialVariant::Kind::kSurface ? "surface" : "bands" + std::to_string(variant.bands);
+  std::string name =
+      variant.kind == MaterialVariant::Kind::kSurface ? "surface" : "bands" + std::to_string(variant.bands);
   if (variant.nearest_tables) name += "-nearest";
   if (variant.light_factor) name += "-light";
   name += "-";

@@ -33,10 +33,10 @@ struct ProgramRow {
   std::string_view name;
   std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
   std::string_view defines[2];        // more defines, "NAME VALUE", or empty
-  bool none = false;     // may be built without a material
-  bool surface = false;  // for surface materials
-  bool bands = false;    // for 1 .. LODEN_MAX_BANDS bands
-  bool relief = false;   // only for variants whose lookup finds a depth
+  bool none = false;                  // may be built without a material
+  bool surface = false;               // for surface materials
+  bool bands = false;                 // for 1 .. LODEN_MAX_BANDS bands
+  bool relief = false;                // only for variants whose lookup finds a depth
 };
 
 inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
@@ -45,11 +45,46 @@ inline constexpr std::string_view kFollowSurface = "SCENE_FOLLOW_SURFACE 1";  //
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", {}, true, false, false},
     {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, true, true, true},
-    {"scene_forward_curved", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kFollowSurface}, false, true, true, true},
-    {"scene_forward_depth", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kParallaxDepth}, false, true, true, true},
-    {"scene_forward_depth_curved", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
-    {"scene_relief_depth", "scene_forward.vert.glsl", "scene_relief_depth.frag.glsl", {kParallaxDepth}, false, true, true, true},
-    {"scene_relief_depth_curved", "scene_forward.vert.glsl", "scene_relief_depth.frag.glsl", {kParallaxDepth, kFollowSurface}, false, true, true, true},
+    {"scene_forward_curved",
+     "scene_forward.vert.glsl",
+     "scene_forward.frag.glsl",
+     {kFollowSurface},
+     false,
+     true,
+     true,
+     true},
+    {"scene_forward_depth",
+     "scene_forward.vert.glsl",
+     "scene_forward.frag.glsl",
+     {kParallaxDepth},
+     false,
+     true,
+     true,
+     true},
+    {"scene_forward_depth_curved",
+     "scene_forward.vert.glsl",
+     "scene_forward.frag.glsl",
+     {kParallaxDepth, kFollowSurface},
+     false,
+     true,
+     true,
+     true},
+    {"scene_relief_depth",
+     "scene_forward.vert.glsl",
+     "scene_relief_depth.frag.glsl",
+     {kParallaxDepth},
+     false,
+     true,
+     true,
+     true},
+    {"scene_relief_depth_curved",
+     "scene_forward.vert.glsl",
+     "scene_relief_depth.frag.glsl",
+     {kParallaxDepth, kFollowSurface},
+     false,
+     true,
+     true,
+     true},
 };
 
 // Whether the variant's lookup finds a depth below the reference plane.

@@ -75,7 +75,8 @@ std::vector<LoadingThreads::Delivery> LoadingThreads::take() {
 void LoadingThreads::wait() {
   const auto idle = [](const Lane& lane) { return lane.requests.empty() && !lane.in_hand; };
   std::unique_lock lock(mutex_);
-  wake_owner_.wait(lock, [&] { return !deliveries_.empty() || std::all_of(lanes_.begin(), lanes_.end(), idle); });
+  wake_owner_.wait(lock,
+                   [&] { return !deliveries_.empty() || std::all_of(lanes_.begin(), lanes_.end(), idle); });
 }
 
 void LoadingThreads::run(Lane& lane, int nicer) {

@@ -1,4 +1,5 @@
-// The loading threads: read parts of assets and build atlases while frames go on. Private to the runtime; no GL.
+// The loading threads: read parts of assets and build atlases while frames go on. Private to the runtime; no
+// GL.
 #pragma once
 
 #include <array>
@@ -39,8 +40,8 @@ struct PartTicket {
   uint64_t serial = 0;
 };
 
-// Two threads: one for what detail waits for, one for what only refines, so that a long build keeps nothing waiting.
-// Both run at a lower priority than the thread that makes them, where the system lets them.
+// Two threads: one for what detail waits for, one for what only refines, so that a long build keeps nothing
+// waiting. Both run at a lower priority than the thread that makes them, where the system lets them.
 class LoadingThreads {
  public:
   struct Request {

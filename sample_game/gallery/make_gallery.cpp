@@ -1,6 +1,6 @@
 // Writes the gallery: gallery.gltf and gallery.bin, the same bytes every time. Usage: make_gallery FOLDER
-// Each of the materials button, isba, pulli and sponge hangs on a wall as cloth, covers a pot, and lies on the floor
-// as a strip of 30 m. `loden pack` gives them their assets; until then the factors below stand in.
+// Each of the materials button, isba, pulli and sponge hangs on a wall as cloth, covers a pot, and lies on
+// the floor as a strip of 30 m. `loden pack` gives them their assets; until then the factors below stand in.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -15,10 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr float kLength = 33, kHalfWidth = 3.6f, kHeight = 4;  // of the hall, metres; it runs from z = 2 to -31
+constexpr float kLength = 33, kHalfWidth = 3.6f,
+                kHeight = 4;  // of the hall, metres; it runs from z = 2 to -31
 constexpr float kNear = 2;
 
-Json vec(glm::vec3 v) { return {v.x, v.y, v.z}; }
+Json vec(glm::vec3 v) {
+  return {v.x, v.y, v.z};
+}
 
 // The document and its one buffer.
 class Writer {
@@ -94,8 +97,11 @@ class Writer {
     const size_t offset = buffer_.size(), bytes = values.size() * sizeof(T);
     buffer_.resize((offset + bytes + 3) / 4 * 4);
     std::memcpy(buffer_.data() + offset, values.data(), bytes);
-    const int view = append("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}, {"target", target}});
-    return append("accessors", {{"bufferView", view}, {"componentType", component}, {"count", values.size()}, {"type", type}});
+    const int view = append(
+        "bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}, {"target", target}});
+    return append(
+        "accessors",
+        {{"bufferView", view}, {"componentType", component}, {"count", values.size()}, {"type", type}});
   }
 
   Json json_;
@@ -154,17 +160,20 @@ void addExhibit(Writer& writer, const Exhibit& exhibit, int pedestal) {
   // In pieces, so that only those in sight are drawn, with only the lights that reach them.
   constexpr int kPieces = 12;
   constexpr float kPiece = 2.5f, kWidth = 0.9f;
-  const int strip = writer.addMesh(name + " strip", rectangle({0, 0, 0}, {kWidth, 0, 0}, {0, 0, -kPiece}), material);
+  const int strip =
+      writer.addMesh(name + " strip", rectangle({0, 0, 0}, {kWidth, 0, 0}, {0, 0, -kPiece}), material);
   for (int i = 0; i < kPieces; ++i)
-    writer.addNode({{"name", name + " strip " + std::to_string(i)},
-                    {"mesh", strip},
-                    {"translation", {exhibit.lane - 0.5f * kWidth, 0.004f, 0.3f - kPiece * static_cast<float>(i)}}});
+    writer.addNode(
+        {{"name", name + " strip " + std::to_string(i)},
+         {"mesh", strip},
+         {"translation", {exhibit.lane - 0.5f * kWidth, 0.004f, 0.3f - kPiece * static_cast<float>(i)}}});
 }
 
 void addLights(Writer& writer) {
   // A rotation that turns -z to the way the sunlight goes: down, a little to the left and away.
-  writer.addLight({{"name", "sun"}, {"type", "directional"}, {"color", {1.0, 0.95, 0.86}}, {"intensity", 2.6}},
-                  {0, 6, 0}, {-0.5792f, -0.2290f, -0.1782f, 0.7616f});
+  writer.addLight(
+      {{"name", "sun"}, {"type", "directional"}, {"color", {1.0, 0.95, 0.86}}, {"intensity", 2.6}}, {0, 6, 0},
+      {-0.5792f, -0.2290f, -0.1782f, 0.7616f});
   for (int side : {-1, 1})
     for (float z : {-0.6f, -3.7f, -6.8f, -14.0f, -23.0f})
       writer.addLight({{"name", "lamp"},
@@ -185,7 +194,9 @@ bool writeGallery(const std::filesystem::path& folder) {
   const int camera = writer.addCamera({{"name", "entrance"},
                                        {"type", "perspective"},
                                        {"perspective", {{"yfov", 0.9}, {"znear", 0.02}, {"zfar", 100}}}});
-  writer.addNode({{"name", "entrance"}, {"camera", camera}, {"translation", {0, 1.6, 1.7}},
+  writer.addNode({{"name", "entrance"},
+                  {"camera", camera},
+                  {"translation", {0, 1.6, 1.7}},
                   {"rotation", {-0.0998, 0, 0, 0.995}}});
   return writer.write(folder);
 }

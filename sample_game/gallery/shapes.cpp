@@ -27,8 +27,8 @@ void addGridQuads(Shape& shape, uint16_t first, int columns, int rows) {
     }
 }
 
-// A ring of vertices around `centre` per row: radius * (sin phi * e1 + cos phi * e2); the first column is repeated
-// at the end with its own u, which makes the UV seam.
+// A ring of vertices around `centre` per row: radius * (sin phi * e1 + cos phi * e2); the first column is
+// repeated at the end with its own u, which makes the UV seam.
 struct Ring {
   glm::vec3 centre, e1, e2;
   float radius, v;
@@ -52,7 +52,9 @@ std::vector<Ring> revolve(const std::vector<ProfilePoint>& profile, float period
   std::vector<Ring> rings;
   float length = 0;
   for (size_t i = 0; i < profile.size(); ++i) {
-    if (i > 0) length += std::hypot(profile[i].radius - profile[i - 1].radius, profile[i].height - profile[i - 1].height);
+    if (i > 0)
+      length +=
+          std::hypot(profile[i].radius - profile[i - 1].radius, profile[i].height - profile[i - 1].height);
     rings.push_back({{0, profile[i].height, 0}, {1, 0, 0}, {0, 0, 1}, profile[i].radius, length / period});
   }
   return rings;
@@ -69,7 +71,8 @@ std::vector<Ring> sweep(const std::vector<glm::vec3>& path_and_radius, float per
         after(path_and_radius[i + 1 < n ? i + 1 : i]);
     if (i > 0) length += glm::distance(before, here);
     const glm::vec3 direction = glm::normalize(glm::vec3(after - before, 0)), e2(0, 0, 1);
-    rings.push_back({glm::vec3(here, 0), glm::cross(direction, e2), e2, path_and_radius[i].z, length / period});
+    rings.push_back(
+        {glm::vec3(here, 0), glm::cross(direction, e2), e2, path_and_radius[i].z, length / period});
   }
   return rings;
 }
@@ -104,8 +107,9 @@ Shape rectangle(glm::vec3 corner, glm::vec3 along_u, glm::vec3 along_v) {
 Shape box(glm::vec3 min, glm::vec3 max) {
   const glm::vec3 size = max - min, x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
   Shape shape;
-  for (const Shape& side : {rectangle(min + z, x, y), rectangle(max - y, -z, y), rectangle(max - y - z, -x, y),
-                            rectangle(min, z, y), rectangle(min + y + z, x, -z), rectangle(min, x, z)}) {
+  for (const Shape& side :
+       {rectangle(min + z, x, y), rectangle(max - y, -z, y), rectangle(max - y - z, -x, y),
+        rectangle(min, z, y), rectangle(min + y + z, x, -z), rectangle(min, x, z)}) {
     const auto first = static_cast<uint16_t>(shape.positions.size());
     shape.positions.insert(shape.positions.end(), side.positions.begin(), side.positions.end());
     shape.uvs.insert(shape.uvs.end(), side.uvs.begin(), side.uvs.end());
@@ -124,9 +128,11 @@ Shape drapedCloth(float width, float height, int folds) {
       const float s = static_cast<float>(i) / static_cast<float>(columns - 1);
       const float t = static_cast<float>(j) / (kRows - 1), drop = 1 - t;
       const float phase = 2 * kPi * static_cast<float>(folds) * s + 0.7f * std::sin(5.1f * s + 1.3f * drop);
-      const float depth = (0.02f + 0.055f * drop) * std::sin(phase) + 0.03f * drop * std::sin(2.3f * s + 0.4f);
+      const float depth =
+          (0.02f + 0.055f * drop) * std::sin(phase) + 0.03f * drop * std::sin(2.3f * s + 0.4f);
       const float sag = 0.03f * (1 - std::cos(2 * kPi * 2 * s)) * t;
-      addVertex(shape, {(s - 0.5f) * width, t * height - sag, depth}, glm::vec2(s * width, t * height) / kPeriod);
+      addVertex(shape, {(s - 0.5f) * width, t * height - sag, depth},
+                glm::vec2(s * width, t * height) / kPeriod);
     }
   addGridQuads(shape, 0, columns, kRows);
   return shape;
@@ -135,9 +141,10 @@ Shape drapedCloth(float width, float height, int folds) {
 Shape bottle() {
   Shape shape;
   shape.is_cage = true;
-  const std::vector<ProfilePoint> profile{{.135f, 0},    {.150f, .012f}, {.150f, .10f}, {.150f, .20f}, {.150f, .28f},
-                                          {.135f, .35f}, {.075f, .41f},  {.050f, .47f}, {.048f, .54f}, {.060f, .565f},
-                                          {.060f, .59f}, {.040f, .59f},  {.036f, .54f}, {.036f, .44f}};
+  const std::vector<ProfilePoint> profile{{.135f, 0},    {.150f, .012f}, {.150f, .10f}, {.150f, .20f},
+                                          {.150f, .28f}, {.135f, .35f},  {.075f, .41f}, {.050f, .47f},
+                                          {.048f, .54f}, {.060f, .565f}, {.060f, .59f}, {.040f, .59f},
+                                          {.036f, .54f}, {.036f, .44f}};
   addTube(shape, revolve(profile, 18), 16, 18);
   return shape;
 }
@@ -145,16 +152,19 @@ Shape bottle() {
 Shape teapot() {
   Shape shape;
   shape.is_cage = true;
-  const std::vector<ProfilePoint> body{{.11f, 0},      {.14f, .01f},  {.19f, .06f},  {.215f, .13f}, {.20f, .20f},
-                                       {.155f, .255f}, {.115f, .28f}, {.11f, .29f},  {.11f, .296f}, {.10f, .30f},
-                                       {.07f, .315f},  {.03f, .33f},  {.022f, .345f}, {.034f, .362f}, {.022f, .38f}};
+  const std::vector<ProfilePoint> body{{.11f, 0},      {.14f, .01f},   {.19f, .06f},  {.215f, .13f},
+                                       {.20f, .20f},   {.155f, .255f}, {.115f, .28f}, {.11f, .29f},
+                                       {.11f, .296f},  {.10f, .30f},   {.07f, .315f}, {.03f, .33f},
+                                       {.022f, .345f}, {.034f, .362f}, {.022f, .38f}};
   addTube(shape, revolve(body, 26), 16, 26);
   addCap(shape, 16, .386f);
-  const std::vector<glm::vec3> spout{{.15f, .09f, .055f}, {.21f, .11f, .05f}, {.27f, .16f, .036f}, {.31f, .23f, .028f},
-                                     {.345f, .285f, .026f}, {.36f, .30f, .027f}, {.352f, .294f, .018f}, {.32f, .24f, .016f}};
+  const std::vector<glm::vec3> spout{{.15f, .09f, .055f},   {.21f, .11f, .05f},    {.27f, .16f, .036f},
+                                     {.31f, .23f, .028f},   {.345f, .285f, .026f}, {.36f, .30f, .027f},
+                                     {.352f, .294f, .018f}, {.32f, .24f, .016f}};
   addTube(shape, sweep(spout, 6), 8, 6);
-  const std::vector<glm::vec3> handle{{-.17f, .09f, .022f}, {-.24f, .09f, .021f}, {-.30f, .12f, .02f}, {-.325f, .18f, .02f},
-                                      {-.30f, .235f, .02f}, {-.23f, .25f, .021f}, {-.14f, .235f, .022f}};
+  const std::vector<glm::vec3> handle{{-.17f, .09f, .022f}, {-.24f, .09f, .021f}, {-.30f, .12f, .02f},
+                                      {-.325f, .18f, .02f}, {-.30f, .235f, .02f}, {-.23f, .25f, .021f},
+                                      {-.14f, .235f, .022f}};
   addTube(shape, sweep(handle, 3), 8, 3);
   return shape;
 }
@@ -162,9 +172,10 @@ Shape teapot() {
 Shape vase() {
   Shape shape;
   shape.is_cage = true;
-  const std::vector<ProfilePoint> profile{{.085f, 0},    {.10f, .008f}, {.105f, .04f}, {.15f, .13f},  {.185f, .24f},
-                                          {.175f, .35f}, {.12f, .44f},  {.085f, .50f}, {.095f, .55f}, {.135f, .595f},
-                                          {.14f, .602f}, {.128f, .60f}, {.085f, .55f}, {.07f, .49f},  {.10f, .40f}};
+  const std::vector<ProfilePoint> profile{{.085f, 0},    {.10f, .008f},  {.105f, .04f}, {.15f, .13f},
+                                          {.185f, .24f}, {.175f, .35f},  {.12f, .44f},  {.085f, .50f},
+                                          {.095f, .55f}, {.135f, .595f}, {.14f, .602f}, {.128f, .60f},
+                                          {.085f, .55f}, {.07f, .49f},   {.10f, .40f}};
   addTube(shape, revolve(profile, 22), 16, 22);
   return shape;
 }
@@ -172,9 +183,10 @@ Shape vase() {
 Shape jar() {
   Shape shape;
   shape.is_cage = true;
-  const std::vector<ProfilePoint> profile{{.16f, 0},     {.18f, .01f},  {.205f, .07f}, {.22f, .17f},  {.215f, .27f},
-                                          {.18f, .345f}, {.165f, .37f}, {.175f, .40f}, {.178f, .408f}, {.162f, .406f},
-                                          {.15f, .37f},  {.165f, .33f}, {.19f, .25f}};
+  const std::vector<ProfilePoint> profile{{.16f, 0},      {.18f, .01f},   {.205f, .07f}, {.22f, .17f},
+                                          {.215f, .27f},  {.18f, .345f},  {.165f, .37f}, {.175f, .40f},
+                                          {.178f, .408f}, {.162f, .406f}, {.15f, .37f},  {.165f, .33f},
+                                          {.19f, .25f}};
   addTube(shape, revolve(profile, 26), 16, 26);
   return shape;
 }

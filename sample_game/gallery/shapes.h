@@ -1,5 +1,5 @@
-// The gallery's shapes as quad cages and flat patches. y is up, metres; UVs in tile periods, so that one period
-// is about 5 cm, and right-handed: dP/du x dP/dv points outwards.
+// The gallery's shapes as quad cages and flat patches. y is up, metres; UVs in tile periods, so that one
+// period is about 5 cm, and right-handed: dP/du x dP/dv points outwards.
 #pragma once
 
 #include <array>
@@ -21,7 +21,8 @@ struct Shape {
 Shape rectangle(glm::vec3 corner, glm::vec3 along_u, glm::vec3 along_v);
 // A closed box.
 Shape box(glm::vec3 min, glm::vec3 max);
-// Cloth hanging from y = height down to 0, x from -width / 2 to width / 2, facing +z, in folds that open downwards.
+// Cloth hanging from y = height down to 0, x from -width / 2 to width / 2, facing +z, in folds that open
+// downwards.
 Shape drapedCloth(float width, float height, int folds);
 // Cages of pots that stand on y = 0 around the y axis.
 Shape bottle();

@@ -1,13 +1,18 @@
 // How much of Embree's own throughput a bake reaches, in processor time on one thread.
 //
-//   asked    the rays that BTF and Flat-BTF are defined by: one view ray per sample and view, and from every sample that
-//            a view sees one shadow ray to each light that it faces; for the Flat-BTF the latter once, for all views
-//   traced   the very rays that the bake casts: view rays of BTF and VDIM, shadow rays of the surface samples once, from BTF
+//   asked    the rays that BTF and Flat-BTF are defined by: one view ray per sample and view, and from every
+//   sample that
+//            a view sees one shadow ray to each light that it faces; for the Flat-BTF the latter once, for
+//            all views
+//   traced   the very rays that the bake casts: view rays of BTF and VDIM, shadow rays of the surface samples
+//   once, from BTF
 //            samples where neighbouring ones disagree, and rays from the surface towards the views
-//   bare     a loop of nothing but Embree over these rays, taken from every ninth view and written into arrays before the clock
-//            started, in the same order of blocks; on a scene of its own, 3 x 3 copies of the tile, with the bake's flags:
-//     streams   rtcIntersect1M for view rays, rtcOccluded1M for shadow rays, 64 at once: what the bake calls, but for VDIM
-//     packets   rtcIntersect1 and rtcOccluded8
+//   bare     a loop of nothing but Embree over these rays, taken from every ninth view and written into
+//   arrays before the clock
+//            started, in the same order of blocks; on a scene of its own, 3 x 3 copies of the tile, with the
+//            bake's flags:
+//     streams   rtcIntersect1M for view rays, rtcOccluded1M for shadow rays, 64 at once: what the bake calls,
+//     but for VDIM packets   rtcIntersect1 and rtcOccluded8
 //   share    bare seconds for the rays / seconds of the whole bake, images included
 //
 // Usage: bench_bake [TILE [SIZE [SUPERSAMPLE]]]; default builtin:button 32 4, 81 x 81 directions.
@@ -29,7 +34,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double cpuSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
+double cpuSeconds() {
+  return double(std::clock()) / CLOCKS_PER_SEC;
+}
 
 [[noreturn]] void fail(const Issue& issue) {
   std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str());
@@ -53,8 +60,10 @@ class BareScene {
 BareScene::BareScene(const Tile& tile) {
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   const size_t vertices = tile.positions.size(), triangles = tile.triangles.size();
-  auto* at = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), 9 * vertices));
-  auto* corners = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), 9 * triangles));
+  auto* at = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), 9 * vertices));
+  auto* corners = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), 9 * triangles));
   for (uint32_t copy = 0; copy < 9; ++copy) {
     const glm::dvec3 shift(int(copy % 3) - 1, int(copy / 3) - 1, 0);
     for (const glm::dvec3& p : tile.positions) *at++ = glm::vec3(p + shift);
@@ -112,7 +121,9 @@ ViewRays raysOf(const BakeScene& scene, const SurfaceSamples& surface, int view)
     const glm::ivec2 first = kBlock * glm::ivec2(block % (m.size / kBlock), block / (m.size / kBlock));
     for (int t = 0; t < kBlock * kBlock; ++t)
       for (int k = 0; k < m.supersample * m.supersample; ++k) {
-        const glm::dvec2 x = (glm::dvec2(first + glm::ivec2(t % kBlock, t / kBlock)) + samplePosition(k, m.supersample)) / double(m.size);
+        const glm::dvec2 x =
+            (glm::dvec2(first + glm::ivec2(t % kBlock, t / kBlock)) + samplePosition(k, m.supersample)) /
+            double(m.size);
         rays.asked.views.push_back(viewRay(scene.tracer, x, wo));
         const auto hit = scene.tracer.intersectView(x, wo);
         if (!hit) continue;
@@ -130,7 +141,8 @@ ViewRays raysOf(const BakeScene& scene, const SurfaceSamples& surface, int view)
   }
   rays.traced.views = rays.asked.views;
   for (size_t s = 0; s < surface.end(size_t(m.flat_size * m.flat_size - 1)); ++s)
-    if (glm::dot(surface[s].geometric_normal, glm::vec3(wo)) > 0) rays.traced.shadows.push_back(shadowRay(surface[s].origin, wo));
+    if (glm::dot(surface[s].geometric_normal, glm::vec3(wo)) > 0)
+      rays.traced.shadows.push_back(shadowRay(surface[s].origin, wo));
   return rays;
 }
 
@@ -140,11 +152,15 @@ Rays commonRays(const BakeScene& scene, const SurfaceSamples& surface) {
   Rays rays;
   for (const glm::dvec3& wi : scene.directions())
     for (size_t s = 0; s < surface.end(size_t(m.flat_size * m.flat_size - 1)); ++s)
-      if (glm::dot(surface[s].normal, glm::vec3(wi)) > 0) rays.shadows.push_back(shadowRay(surface[s].origin, wi));
+      if (glm::dot(surface[s].normal, glm::vec3(wi)) > 0)
+        rays.shadows.push_back(shadowRay(surface[s].origin, wi));
   for (const glm::ivec2& size : m.vdims)
     for (int v = 0; v < size.x * size.y; ++v) {
-      const glm::dvec3 wo = directionFromSpherical({kThetaMax * (v / size.y) / (size.x - 1), 2 * kPi * (v % size.y) / (size.y - 1)});
-      for (int t = 0; t < m.size * m.size; ++t) rays.views.push_back(viewRay(scene.tracer, (glm::dvec2(t % m.size, t / m.size) + 0.5) / double(m.size), wo));
+      const glm::dvec3 wo = directionFromSpherical(
+          {kThetaMax * (v / size.y) / (size.x - 1), 2 * kPi * (v % size.y) / (size.y - 1)});
+      for (int t = 0; t < m.size * m.size; ++t)
+        rays.views.push_back(
+            viewRay(scene.tracer, (glm::dvec2(t % m.size, t / m.size) + 0.5) / double(m.size), wo));
     }
   return rays;
 }
@@ -156,10 +172,12 @@ double streamSeconds(const BareScene& scene, Rays rays) {
   const double start = cpuSeconds();
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (size_t k = 0; k < rays.views.size(); k += kStream)
-    rtcIntersect1M(scene.get(), &context, &rays.views[k], unsigned(std::min(kStream, rays.views.size() - k)), sizeof(RTCRayHit));
+    rtcIntersect1M(scene.get(), &context, &rays.views[k], unsigned(std::min(kStream, rays.views.size() - k)),
+                   sizeof(RTCRayHit));
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   for (size_t k = 0; k < rays.shadows.size(); k += kStream)
-    rtcOccluded1M(scene.get(), &context, &rays.shadows[k], unsigned(std::min(kStream, rays.shadows.size() - k)), sizeof(RTCRay));
+    rtcOccluded1M(scene.get(), &context, &rays.shadows[k],
+                  unsigned(std::min(kStream, rays.shadows.size() - k)), sizeof(RTCRay));
   return cpuSeconds() - start;
 }
 
@@ -197,8 +215,10 @@ struct Bare {
     streams += times * streamSeconds(scene, more), packets += times * packetSeconds(scene, more);
   }
   void print(const char* name, double bake_seconds) const {
-    std::printf("%-7s %8.1f M rays; streams %6.2f Mray/s, share %5.1f %%; packets %6.2f Mray/s, share %5.1f %%\n", name, rays / 1e6, rays / streams / 1e6,
-                100 * streams / bake_seconds, rays / packets / 1e6, 100 * packets / bake_seconds);
+    std::printf(
+        "%-7s %8.1f M rays; streams %6.2f Mray/s, share %5.1f %%; packets %6.2f Mray/s, share %5.1f %%\n",
+        name, rays / 1e6, rays / streams / 1e6, 100 * streams / bake_seconds, rays / packets / 1e6,
+        100 * packets / bake_seconds);
   }
 };
 
@@ -210,7 +230,8 @@ int run(const std::string& name, int size, int supersample) {
   options.size = size, options.supersample = supersample, options.directions = bonn81Directions();
   options.threads = 1, options.quiet = true;
   BakeManifest m;
-  m.size = m.flat_size = size, m.supersample = supersample, m.directions = options.directions, m.vdims = options.vdims;
+  m.size = m.flat_size = size, m.supersample = supersample, m.directions = options.directions,
+  m.vdims = options.vdims;
   Bare asked, traced;
   {
     const TileTracer tracer(*tile);
@@ -231,8 +252,12 @@ int run(const std::string& name, int size, int supersample) {
   const double seconds = cpuSeconds() - start;
   fs::remove_all(folder);
   if (!report) fail(report.issue());
-  std::printf("# bench_bake: %s, %d x %d texels, %d x %d samples, 81 x 81 directions; definitions in bake_bench.cpp\n", name.c_str(), size, size, supersample, supersample);
-  std::printf("bake    %8.1f M rays; all maps and files %6.2f s of processor time\n", double(report->rays) / 1e6, seconds);
+  std::printf(
+      "# bench_bake: %s, %d x %d texels, %d x %d samples, 81 x 81 directions; definitions in "
+      "bake_bench.cpp\n",
+      name.c_str(), size, size, supersample, supersample);
+  std::printf("bake    %8.1f M rays; all maps and files %6.2f s of processor time\n",
+              double(report->rays) / 1e6, seconds);
   asked.print("asked", seconds);
   traced.print("traced", seconds);
   return 0;

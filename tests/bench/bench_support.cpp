@@ -19,7 +19,8 @@ using namespace runtime;
 
 constexpr int kSide = 64;
 
-Texture noise(TexelFormat format, TextureShape shape, int width, int height, int depth, int mips, uint32_t seed) {
+Texture noise(TexelFormat format, TextureShape shape, int width, int height, int depth, int mips,
+              uint32_t seed) {
   Texture texture = Texture::make(format, shape, width, height, depth, mips);
   std::mt19937 random(seed);
   const bool floats = format == TexelFormat::kRGBA32Sfloat;
@@ -28,7 +29,8 @@ Texture noise(TexelFormat format, TextureShape shape, int width, int height, int
     return texture;
   }
   float* values = reinterpret_cast<float*>(texture.data.data());
-  for (size_t i = 0; i < texture.data.size() / sizeof(float); ++i) values[i] = float(random() & 0xffff) / 65536.0f;
+  for (size_t i = 0; i < texture.data.size() / sizeof(float); ++i)
+    values[i] = float(random() & 0xffff) / 65536.0f;
   return texture;
 }
 
@@ -84,7 +86,8 @@ Material lodMaterial(uint32_t seed) {
     band.chroma_quads = 1;
     band.quad_scale.assign(3, glm::vec4(0.05f));
     const uint32_t band_seed = seed + 10 * uint32_t(level);
-    band.weights = noise(TexelFormat::kRGBA32Sfloat, TextureShape::kArray2D, kSide >> level, kSide >> level, 3, 1, band_seed);
+    band.weights = noise(TexelFormat::kRGBA32Sfloat, TextureShape::kArray2D, kSide >> level, kSide >> level,
+                         3, 1, band_seed);
     band.table = noise(TexelFormat::kRGBA32Sfloat, TextureShape::kVolume, 81, 81, 3, 1, band_seed + 1);
     material.bands.push_back(std::move(band));
   }
@@ -107,8 +110,10 @@ Material surfaceMaterial(uint32_t seed) {
   const int mips = fullMipCount(2 * kSide, 2 * kSide);
   SurfaceMaps maps;
   maps.normal = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed);
-  maps.diffuse = noise(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
-  maps.specular = noise(TexelFormat::kRG8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 2);
+  maps.diffuse =
+      noise(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
+  maps.specular =
+      noise(TexelFormat::kRG8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 2);
   material.surface = std::move(maps);
   return material;
 }
@@ -127,7 +132,9 @@ GeometryImage wavyGeometry(int side) {
 
 std::unique_ptr<Device> makeDevice() {
   DeviceOptions options;
-  options.log = [](const Issue& issue) { std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str()); };
+  options.log = [](const Issue& issue) {
+    std::fprintf(stderr, "%s: %s\n", issue.where.c_str(), issue.text.c_str());
+  };
   return require(Device::create(options));
 }
 
@@ -136,14 +143,17 @@ std::shared_ptr<const ByteSource> assetSource(const Material& material) {
 }
 
 FullScreen::FullScreen(glm::ivec2 size)
-    : target_(require(makeRenderTarget(size, ColorFormat::kLinear32, "bench"))), array_(makeVertexArray("bench")) {
+    : target_(require(makeRenderTarget(size, ColorFormat::kLinear32, "bench"))),
+      array_(makeVertexArray("bench")) {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer.name());
   glViewport(0, 0, size.x, size.y);
   glBindVertexArray(array_.name());
 }
 
 // A program that is deleted while in use would be found, and could not be restored, by whoever draws next.
-FullScreen::~FullScreen() { glUseProgram(0); }
+FullScreen::~FullScreen() {
+  glUseProgram(0);
+}
 
 GlProgram FullScreen::program(const std::string& fragment, std::span<const std::string> defines) const {
   return require(compileProgram(kVertex, {"bench.frag", fragment}, defines, "bench"));

@@ -14,8 +14,8 @@
 namespace loden::bench {
 
 // Sizes as the cooker's presets give them, texels seeded noise: cost does not depend on what they hold.
-Material lodMaterial(uint32_t seed);      // seed preset: 5 levels, 8/2/2 components, 81 x 81 directions, RGBA32F
-Material fusedMaterial(uint32_t seed);    // a flat and a reference band, 16 components each, 8 bit, grid tables
+Material lodMaterial(uint32_t seed);  // seed preset: 5 levels, 8/2/2 components, 81 x 81 directions, RGBA32F
+Material fusedMaterial(uint32_t seed);  // a flat and a reference band, 16 components each, 8 bit, grid tables
 Material surfaceMaterial(uint32_t seed);  // three maps
 // Waves of depth .1, as a height field over its own x and y.
 GeometryImage wavyGeometry(int side);
@@ -42,8 +42,9 @@ class FullScreen {
   runtime::GlVertexArray array_;
 };
 
-// A material over 5 x 5 tile periods under one light, lambda from the first at the bottom to the second at the top.
-// With LODEN_COUNT_FETCHES alpha is the number of texture instructions; with FULL_PARALLAX nothing of it is skipped.
+// A material over 5 x 5 tile periods under one light, lambda from the first at the bottom to the second at
+// the top. With LODEN_COUNT_FETCHES alpha is the number of texture instructions; with FULL_PARALLAX nothing
+// of it is skipped.
 extern const char kMaterialFragment[];
 void drawAt(const FullScreen& screen, const runtime::GlProgram& program, glm::vec2 lambda);
 double meanFetches(const FullScreen& screen, const runtime::GlProgram& program, glm::vec2 lambda);

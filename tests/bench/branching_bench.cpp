@@ -41,17 +41,22 @@ GlProgram materialProgram(const FullScreen& screen, const MaterialVariant& varia
   return screen.program(kMaterialFragment, defines);
 }
 
-Subject makeSubject(const FullScreen& screen, MaterialSystem& materials, const Material& material, const char* name) {
+Subject makeSubject(const FullScreen& screen, MaterialSystem& materials, const Material& material,
+                    const char* name) {
   const MaterialId id = require(materials.load(assetSource(material), name));
   materials.demand(id, 0);
   materials.finishLoading();
   const MaterialVariant variant = materials.variant(id);
-  return {name, id, materialProgram(screen, variant, true, false), materialProgram(screen, variant, false, false),
-          materialProgram(screen, variant, true, true), materialProgram(screen, variant, false, true)};
+  return {name,
+          id,
+          materialProgram(screen, variant, true, false),
+          materialProgram(screen, variant, false, false),
+          materialProgram(screen, variant, true, true),
+          materialProgram(screen, variant, false, true)};
 }
 
-void report(const FullScreen& screen, MaterialSystem& materials, const Subject& subject, const GlProgram& normal_map,
-            MaterialId normal_map_textures) {
+void report(const FullScreen& screen, MaterialSystem& materials, const Subject& subject,
+            const GlProgram& normal_map, MaterialId normal_map_textures) {
   std::vector<glm::vec2> lambdas;
   for (float lambda = 0; lambda <= 5; lambda += 1) lambdas.push_back({lambda, lambda});
   lambdas.push_back({0, 6});  // a floor into the distance: every pixel its own lambda
@@ -71,8 +76,9 @@ void report(const FullScreen& screen, MaterialSystem& materials, const Subject& 
   for (size_t i = 0; i < lambdas.size(); ++i) {
     const std::string lambda = lambdas[i].x == lambdas[i].y ? std::to_string(int(lambdas[i].x)) : "0..6";
     std::printf("%-8s %6s %10.1f %10.1f %10.2f %10.2f %10.2f\n", subject.name, lambda.c_str(),
-                meanFetches(screen, subject.counting, lambdas[i]), meanFetches(screen, subject.counting_straight, lambdas[i]),
-                ms[1 + 2 * i], ms[2 + 2 * i], ms[1 + 2 * i] / ms[0]);
+                meanFetches(screen, subject.counting, lambdas[i]),
+                meanFetches(screen, subject.counting_straight, lambdas[i]), ms[1 + 2 * i], ms[2 + 2 * i],
+                ms[1 + 2 * i] / ms[0]);
   }
 }
 
@@ -88,11 +94,12 @@ int main() {
   const Subject surface = makeSubject(screen, *materials, surfaceMaterial(3), "surface");
   const GlProgram normal_map = screen.program(kNormalMap, {});
 
-  std::printf("# bench_branching: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n", kSize.x, kSize.y,
-              kRounds, device->capabilities().renderer.c_str());
+  std::printf("# bench_branching: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n", kSize.x,
+              kSize.y, kRounds, device->capabilities().renderer.c_str());
   std::printf("# fetches: texture instructions per pixel; x normal map: time against diffuse + normal map\n");
-  std::printf("%-8s %6s %10s %10s %10s %10s %10s\n", "mode", "lambda", "fetches", "no branch", "ms", "no branch",
-              "x nrm map");
-  for (const Subject* subject : {&lod, &fused, &surface}) report(screen, *materials, *subject, normal_map, surface.id);
+  std::printf("%-8s %6s %10s %10s %10s %10s %10s\n", "mode", "lambda", "fetches", "no branch", "ms",
+              "no branch", "x nrm map");
+  for (const Subject* subject : {&lod, &fused, &surface})
+    report(screen, *materials, *subject, normal_map, surface.id);
   return 0;
 }

@@ -15,9 +15,10 @@ namespace {
 using namespace runtime;
 
 constexpr int kRings = 6;
-constexpr int kViewBase[kRings] = {0, 0, 1, 6, 13, 24};   // of a ring among those of its parity
-constexpr int kLightBase[kRings] = {0, 0, 1, 3, 7, 12};   // the same, every other sample
-constexpr int kViews[2] = {33, 48}, kLights[2] = {17, 24};  // per class; the pole is in both classes of lights
+constexpr int kViewBase[kRings] = {0, 0, 1, 6, 13, 24};  // of a ring among those of its parity
+constexpr int kLightBase[kRings] = {0, 0, 1, 3, 7, 12};  // the same, every other sample
+constexpr int kViews[2] = {33, 48},
+              kLights[2] = {17, 24};  // per class; the pole is in both classes of lights
 
 struct RingSample {
   int ring = 0, index = 0;
@@ -59,7 +60,8 @@ BtfTable::BtfTable(const importer::BakedOutput& baked) {
     const GLuint name = textures_[size_t(k)].name();
     glTextureStorage3D(name, mips, GL_RGB9_E5, side, side, layers);
     glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    bytes_ += textureBytes(TexelFormat::kRGBA8Unorm, uint64_t(side), uint64_t(side), uint64_t(layers), mips);  // as many bytes as RGB9E5
+    bytes_ += textureBytes(TexelFormat::kRGBA8Unorm, uint64_t(side), uint64_t(side), uint64_t(layers),
+                           mips);  // as many bytes as RGB9E5
   }
   for (int v = 0; v < lights; ++v) {
     const std::vector<glm::vec3> images = require(baked.btfView(v));
@@ -68,16 +70,19 @@ BtfTable::BtfTable(const importer::BakedOutput& baked) {
       const auto first = images.begin() + ptrdiff_t(l) * side * side;
       const RingSample light = ringSample(l);
       const int view_parity = view.ring & 1, light_parity = light.ring & 1;
-      const int layer = (kViewBase[view.ring] + view.index) * kLights[light_parity] + kLightBase[light.ring] + light.index / 2;
+      const int layer = (kViewBase[view.ring] + view.index) * kLights[light_parity] + kLightBase[light.ring] +
+                        light.index / 2;
       for (int q = 0; q < 2; ++q)
         if (light.ring == 0 || (light.index & 1) == q)
-          uploadLayer(textures_[size_t(view_parity << 2 | light_parity << 1 | q)], layer, {first, first + side * side}, side);
+          uploadLayer(textures_[size_t(view_parity << 2 | light_parity << 1 | q)], layer,
+                      {first, first + side * side}, side);
     }
   }
 }
 
 void BtfTable::bind() const {
-  for (int k = 0; k < kTextures; ++k) glBindTextureUnit(GLuint(LODEN_MAX_UNITS + k), textures_[size_t(k)].name());
+  for (int k = 0; k < kTextures; ++k)
+    glBindTextureUnit(GLuint(LODEN_MAX_UNITS + k), textures_[size_t(k)].name());
 }
 
 const char kBtfTableLibrary[] = R"(

@@ -1,4 +1,5 @@
-// The whole BTF as textures, read and interpolated in four dimensions: what every compression is measured against.
+// The whole BTF as textures, read and interpolated in four dimensions: what every compression is measured
+// against.
 #pragma once
 
 #include <array>
@@ -9,9 +10,10 @@
 
 namespace loden::bench {
 
-// All light-view images of a bake over Bonn's 81 directions as repeating, mip-mapped layers, RGB9E5. GL promises 2048
-// layers only, so they are spread over eight array textures: by the parity of the view's ring, of the light's ring and
-// of the light's place on it. Two neighbouring rings, and two neighbours on a ring, then lie in different textures.
+// All light-view images of a bake over Bonn's 81 directions as repeating, mip-mapped layers, RGB9E5. GL
+// promises 2048 layers only, so they are spread over eight array textures: by the parity of the view's ring,
+// of the light's ring and of the light's place on it. Two neighbouring rings, and two neighbours on a ring,
+// then lie in different textures.
 class BtfTable {
  public:
   static constexpr int kTextures = 8;
@@ -24,8 +26,9 @@ class BtfTable {
   uint64_t bytes_ = 0;
 };
 
-// vec3 btf_table_value(vec2 x, float lambda, vec3 wi, vec3 wo): linear between two samples on a ring and between two
-// rings, for light and view, trilinear over x: 16 texture instructions. Needs loden_material.glsl before it.
+// vec3 btf_table_value(vec2 x, float lambda, vec3 wi, vec3 wo): linear between two samples on a ring and
+// between two rings, for light and view, trilinear over x: 16 texture instructions. Needs loden_material.glsl
+// before it.
 extern const char kBtfTableLibrary[];
 
 }  // namespace loden::bench

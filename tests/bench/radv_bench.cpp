@@ -1,7 +1,7 @@
-// What a production GPU compiler makes of the shader library, without that GPU: Mesa's RADV on its null device
-// (RADV_FORCE_FAMILY), compute shaders, the driver's own statistics. Lower latency and inverse throughput are
-// better; the driver assumes several iterations of each loop and multiplies those of nested ones, so that shaders
-// with loops compare among themselves only.
+// What a production GPU compiler makes of the shader library, without that GPU: Mesa's RADV on its null
+// device (RADV_FORCE_FAMILY), compute shaders, the driver's own statistics. Lower latency and inverse
+// throughput are better; the driver assumes several iterations of each loop and multiplies those of nested
+// ones, so that shaders with loops compare among themselves only.
 #include <vulkan/vulkan.h>
 
 #include <cstdio>
@@ -77,10 +77,12 @@ std::vector<uint32_t> spirv(const char* text, std::vector<std::string> defines) 
   const fs::path base = fs::temp_directory_path() / ("loden_radv_" + std::to_string(std::rand()));
   const fs::path source = base.string() + ".comp", binary = base.string() + ".spv";
   std::ofstream(source) << shader.text;
-  const std::string command = "glslangValidator -V --quiet -o " + binary.string() + " " + source.string() + " >&2";
+  const std::string command =
+      "glslangValidator -V --quiet -o " + binary.string() + " " + source.string() + " >&2";
   if (std::system(command.c_str()) != 0) stop("glslangValidator did not take the shader");
   std::vector<uint32_t> words(fs::file_size(binary) / 4);
-  std::ifstream(binary, std::ios::binary).read(reinterpret_cast<char*>(words.data()), std::streamsize(words.size() * 4));
+  std::ifstream(binary, std::ios::binary)
+      .read(reinterpret_cast<char*>(words.data()), std::streamsize(words.size() * 4));
   fs::remove(source);
   fs::remove(binary);
   return words;
@@ -95,9 +97,11 @@ struct Gpu {
 
 VkPipelineLayout makeLayout(VkDevice device) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
-  for (uint32_t unit = 0; unit < LODEN_MAX_UNITS; ++unit)  // from the weights on, those at which a variant's arrays begin
-    bindings.push_back({unit, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, unit < LODEN_UNIT_WEIGHTS ? 1u : LODEN_MAX_BANDS,
-                        VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+  for (uint32_t unit = 0; unit < LODEN_MAX_UNITS;
+       ++unit)  // from the weights on, those at which a variant's arrays begin
+    bindings.push_back({unit, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                        unit < LODEN_UNIT_WEIGHTS ? 1u : LODEN_MAX_BANDS, VK_SHADER_STAGE_COMPUTE_BIT,
+                        nullptr});
   bindings.push_back({32, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   bindings.push_back({48, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   auto set_info = made<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
@@ -133,7 +137,8 @@ Gpu openGpu() {
   auto queue = made<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
   queue.queueCount = 1;
   queue.pQueuePriorities = &priority;
-  auto statistics = made<VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR);
+  auto statistics = made<VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR);
   statistics.pipelineExecutableInfo = VK_TRUE;
   VkPhysicalDeviceFeatures features{};
   features.shaderSampledImageArrayDynamicIndexing = VK_TRUE;
@@ -159,8 +164,13 @@ std::map<std::string, uint64_t> statisticsOf(const Gpu& gpu, const std::vector<u
   check(vkCreateShaderModule(gpu.device, &module_info, nullptr, &module), "no shader module");
   auto info = made<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
   info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
-  info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module,
-                "main", nullptr};
+  info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                nullptr,
+                0,
+                VK_SHADER_STAGE_COMPUTE_BIT,
+                module,
+                "main",
+                nullptr};
   info.layout = gpu.layout;
   VkPipeline pipeline = nullptr;
   check(vkCreateComputePipelines(gpu.device, nullptr, 1, &info, nullptr, &pipeline), "no pipeline");
@@ -174,13 +184,15 @@ std::map<std::string, uint64_t> statisticsOf(const Gpu& gpu, const std::vector<u
       count, made<VkPipelineExecutableStatisticKHR>(VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR));
   get(gpu.device, &executable, &count, found.data());
   std::map<std::string, uint64_t> values;
-  for (const VkPipelineExecutableStatisticKHR& statistic : found) values[statistic.name] = statistic.value.u64;
+  for (const VkPipelineExecutableStatisticKHR& statistic : found)
+    values[statistic.name] = statistic.value.u64;
   vkDestroyPipeline(gpu.device, pipeline, nullptr);
   vkDestroyShaderModule(gpu.device, module, nullptr);
   return values;
 }
 
-void report(const Gpu& gpu, const std::string& name, const char* text, const std::vector<std::string>& defines) {
+void report(const Gpu& gpu, const std::string& name, const char* text,
+            const std::vector<std::string>& defines) {
   std::map<std::string, uint64_t> s = statisticsOf(gpu, spirv(text, defines));
   const auto value = [&](const char* key) { return static_cast<unsigned long long>(s[key]); };
   std::printf("%-24s %12llu %8llu %8llu %10llu %10llu\n", name.c_str(), value("Instructions"), value("VGPRs"),
@@ -193,17 +205,15 @@ int main() {
   using Kind = MaterialVariant::Kind;
   const Gpu gpu = openGpu();
   std::printf("# bench_radv: %s, one point and one light per invocation\n", gpu.name.c_str());
-  std::printf("%-24s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency", "inv.thr.");
+  std::printf("%-24s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency",
+              "inv.thr.");
   report(gpu, "diffuse + normal map", kNormalMap, {});
-  const MaterialVariant variants[] = {{Kind::kSurface, 0, Lookup::kNone, false},
-                                      {Kind::kSurface, 0, Lookup::kPaper, false},
-                                      {Kind::kSurface, 0, Lookup::kFast, false},
-                                      {Kind::kSurface, 0, Lookup::kDefault, false},
-                                      {Kind::kBands, 5, Lookup::kNone, true},
-                                      {Kind::kBands, 2, Lookup::kNone, false},
-                                      {Kind::kBands, 2, Lookup::kFast, false},
-                                      {Kind::kBands, 2, Lookup::kDefault, false},
-                                      {Kind::kBands, 2, Lookup::kDefault, false, true}};
+  const MaterialVariant variants[] = {
+      {Kind::kSurface, 0, Lookup::kNone, false},       {Kind::kSurface, 0, Lookup::kPaper, false},
+      {Kind::kSurface, 0, Lookup::kFast, false},       {Kind::kSurface, 0, Lookup::kDefault, false},
+      {Kind::kBands, 5, Lookup::kNone, true},          {Kind::kBands, 2, Lookup::kNone, false},
+      {Kind::kBands, 2, Lookup::kFast, false},         {Kind::kBands, 2, Lookup::kDefault, false},
+      {Kind::kBands, 2, Lookup::kDefault, false, true}};
   for (const MaterialVariant& variant : variants) {
     std::vector<std::string> defines = variantDefines(variant);
     report(gpu, variantName(variant), kEvaluate, defines);

@@ -1,6 +1,6 @@
-// What each skip of the runtime saves, switched off alone: time in one interleaved run, texture instructions per
-// pixel, bytes read. llvmpipe runs both sides of every `if`, so that a skip inside a shader shows in the time here only
-// where it ends a loop; its fetches are what a GPU saves.
+// What each skip of the runtime saves, switched off alone: time in one interleaved run, texture instructions
+// per pixel, bytes read. llvmpipe runs both sides of every `if`, so that a skip inside a shader shows in the
+// time here only where it ends a loop; its fetches are what a GPU saves.
 #include <epoxy/gl.h>
 
 #include <cstdio>
@@ -19,12 +19,14 @@ using namespace loden::runtime;
 constexpr glm::ivec2 kSize{400, 400};
 constexpr int kRounds = 15;
 
-void printRow(const char* skip, const char* unit, double with, double without, double ms_with, double ms_without) {
+void printRow(const char* skip, const char* unit, double with, double without, double ms_with,
+              double ms_without) {
   std::printf("%-34s %-14s %12.1f %12.1f %8.2f %8.2f %8.2f\n", skip, unit, with, without, ms_with, ms_without,
               ms_with > 0 ? ms_without / ms_with : 0.0);
 }
 
-// --- inside the shader ---------------------------------------------------------------------------------------
+// --- inside the shader
+// ---------------------------------------------------------------------------------------
 
 struct ShaderSkip {
   const char* name;
@@ -49,15 +51,14 @@ void reportShaderSkip(MaterialSystem& materials, const FullScreen& screen, const
   const double without = meanFetches(screen, program(true, true), glm::vec2(skip.lambda));
   std::vector<std::function<void()>> tasks;
   for (const GlProgram* p : {&on, &off})
-    tasks.push_back([&, p] {
-      drawAt(screen, *p, glm::vec2(skip.lambda));
-    });
+    tasks.push_back([&, p] { drawAt(screen, *p, glm::vec2(skip.lambda)); });
   const std::vector<double> ms = interleavedMedians(tasks, kRounds);
   printRow(skip.name, "fetches", with, without, ms[0], ms[1]);
   glUseProgram(0);
 }
 
-// --- in the frame loop ---------------------------------------------------------------------------------------
+// --- in the frame loop
+// ---------------------------------------------------------------------------------------
 
 struct Stage {
   std::unique_ptr<MaterialSystem> materials;
@@ -103,7 +104,8 @@ void reportFrameSkip(const Device& device, const char* name, const Scene& scene,
     tasks.push_back([&] {
       stage.renderer->prepare(stage.view, stage.settings);
       stage.materials->update(1.0f / 60);
-      if (Status status = stage.renderer->draw({target.framebuffer.name(), target.size}); !status) fail(status.issue());
+      if (Status status = stage.renderer->draw({target.framebuffer.name(), target.size}); !status)
+        fail(status.issue());
     });
   const std::vector<double> ms = interleavedMedians(tasks, kRounds);
   const auto kib = [](const Stage& stage) { return double(stage.materials->stats().read_bytes) / 1024; };
@@ -118,7 +120,8 @@ void reportFrameSkips(const Device& device) {
     return settings;
   };
   const Scene behind = planes(50, [](int i) { return glm::vec3(0, i ? -50.0f - 3.0f * float(i) : 0.0f, 0); });
-  reportFrameSkip(device, "invisible objects (1 of 50)", behind, plain, with([](FrameSettings& s) { s.cull = false; }));
+  reportFrameSkip(device, "invisible objects (1 of 50)", behind, plain,
+                  with([](FrameSettings& s) { s.cull = false; }));
   // Materials are drawn in the order of their assets: here the farthest plane first.
   const Scene stack = planes(4, [](int i) { return glm::vec3(0, 0, -0.3f + 0.1f * float(i)); });
   reportFrameSkip(device, "depth pre-pass (4 planes deep)", stack, plain,
@@ -129,11 +132,14 @@ void reportFrameSkips(const Device& device) {
                     s.depth_prepass = false;
                   }));
   const FrameSettings dark = with([](FrameSettings& s) { s.sky_ambient = s.ground_ambient = glm::vec3(0); });
-  const FrameSettings dim = with([](FrameSettings& s) { s.sky_ambient = s.ground_ambient = glm::vec3(1e-6f); });
-  reportFrameSkip(device, "environment without light", planes(1, [](int) { return glm::vec3(0); }), dark, dim);
+  const FrameSettings dim =
+      with([](FrameSettings& s) { s.sky_ambient = s.ground_ambient = glm::vec3(1e-6f); });
+  reportFrameSkip(device, "environment without light", planes(1, [](int) { return glm::vec3(0); }), dark,
+                  dim);
 }
 
-// --- what is read and compiled ---------------------------------------------------------------------------------
+// --- what is read and compiled
+// ---------------------------------------------------------------------------------
 
 // Twenty materials seen from where lambda is 3, against all of each.
 void reportLevels(const Device& device) {
@@ -153,7 +159,8 @@ void reportLevels(const Device& device) {
 void reportVariants(const Device& device) {
   Stage stage = makeStage(device, planes(1, [](int) { return glm::vec3(0); }), {}, {64, 48});
   const RenderTarget target = require(makeRenderTarget({64, 48}, ColorFormat::kSrgb8, "variants"));
-  if (Status status = stage.renderer->draw({target.framebuffer.name(), target.size}); !status) fail(status.issue());
+  if (Status status = stage.renderer->draw({target.framebuffer.name(), target.size}); !status)
+    fail(status.issue());
   int listed = 0;
   for (const ProgramRow& row : kProgramRows) listed += static_cast<int>(rowVariants(row).size());
   const ShaderStats& stats = stage.shaders->stats();
@@ -169,13 +176,15 @@ int main() {
   std::printf("# bench_skips: median of %d interleaved frames, %s; each skip on, and off alone\n", kRounds,
               device->capabilities().renderer.c_str());
   std::printf("# the time of unused variants is that of the used ones, times their number\n");
-  std::printf("%-34s %-14s %12s %12s %8s %8s %8s\n", "skip", "count", "on", "off", "ms on", "ms off", "off/on");
+  std::printf("%-34s %-14s %12s %12s %8s %8s %8s\n", "skip", "count", "on", "off", "ms on", "ms off",
+              "off/on");
   {
     const auto materials = require(MaterialSystem::create(*device, {}));
     const FullScreen screen(kSize);
-    for (const ShaderSkip& skip : {ShaderSkip{"closed band windows (lambda 3)", fusedMaterial(1), 3, "LODEN_NO_BRANCH"},
-                                   ShaderSkip{"lookup for no band (lambda 3)", fusedMaterial(1), 3, "LODEN_ALWAYS_LOOKUP"},
-                                   ShaderSkip{"sub-pixel parallax (lambda 5)", surfaceMaterial(1), 5, "FULL_PARALLAX"}})
+    for (const ShaderSkip& skip :
+         {ShaderSkip{"closed band windows (lambda 3)", fusedMaterial(1), 3, "LODEN_NO_BRANCH"},
+          ShaderSkip{"lookup for no band (lambda 3)", fusedMaterial(1), 3, "LODEN_ALWAYS_LOOKUP"},
+          ShaderSkip{"sub-pixel parallax (lambda 5)", surfaceMaterial(1), 5, "FULL_PARALLAX"}})
       reportShaderSkip(*materials, screen, skip);
   }
   reportFrameSkips(*device);

@@ -1,8 +1,9 @@
-// Streaming: a walk past 100 materials under three budgets; what its frames cost beside the same frames with everything
-// resident; a still camera while levels arrive; the cost of a frame against the size of the scene.
+// Streaming: a walk past 100 materials under three budgets; what its frames cost beside the same frames with
+// everything resident; a still camera while levels arrive; the cost of a frame against the size of the scene.
 //
 //   bench_streaming [--assets DIR] [--only walk|times|still|scale] [--rounds N]
-//     assets: .loden files to make the gallery of; default: the four tiles as fused and as surface, baked and cooked
+//     assets: .loden files to make the gallery of; default: the four tiles as fused and as surface, baked and
+//     cooked
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,9 +15,9 @@
 
 #include "importer/base/flip.h"
 #include "material/asset/asset.h"
+#include "runtime/scene/mesh_analytic.h"
 #include "runtime/stream/material_data.h"
 #include "runtime/stream/material_parts.h"
-#include "runtime/scene/mesh_analytic.h"
 #include "tests/bench/bench_support.h"
 #include "tests/bench/gallery.h"
 
@@ -45,10 +46,12 @@ std::vector<double> negated(std::vector<double> values) {
   return values;
 }
 double median(const std::vector<double>& values) {
-  return 0.5 * (quantile(values, 0.5) - quantile(negated(values), 0.5));  // of an even number the middle of the two
+  return 0.5 *
+         (quantile(values, 0.5) - quantile(negated(values), 0.5));  // of an even number the middle of the two
 }
 
-// --- the walk --------------------------------------------------------------------------------------------------
+// --- the walk
+// --------------------------------------------------------------------------------------------------
 
 // Bytes on disk of the parts that lambda needs.
 uint64_t neededBytes(const SceneAsset& asset, float lambda) {
@@ -59,10 +62,12 @@ uint64_t neededBytes(const SceneAsset& asset, float lambda) {
     if (part.desc.lambda_end <= lambda) continue;
     if (part.kind == PartKind::kBand) bytes += file.bandStoredBytes(part.band);
     if (part.kind == PartKind::kGeometry) bytes += file.geometryStoredBytes();
-    // Of split maps the tail and the rest; a band's leading part is needed where the whole is, which counts it.
+    // Of split maps the tail and the rest; a band's leading part is needed where the whole is, which counts
+    // it.
     if (part.kind == PartKind::kSurfaceTail) bytes += file.surfaceStoredBytes(AssetFile::Share::kFirst);
     if (part.kind == PartKind::kSurface)
-      bytes += file.surfaceStoredBytes() - (part.desc.takes_over ? file.surfaceStoredBytes(AssetFile::Share::kFirst) : 0);
+      bytes += file.surfaceStoredBytes() -
+               (part.desc.takes_over ? file.surfaceStoredBytes(AssetFile::Share::kFirst) : 0);
   }
   return bytes;
 }
@@ -87,7 +92,8 @@ double timedFrame(const Stage& stage, const Path& path, int frame, const RenderT
 
 struct Walk {
   int frames_over_budget = 0;
-  int first_frames = -1, arrived_frames = -1;  // until what is in view is shown within a level, and is all there
+  int first_frames = -1,
+      arrived_frames = -1;  // until what is in view is shown within a level, and is all there
   uint64_t first_bytes = 0;
   std::map<std::string, float> finest;  // lambda ever asked for
 };
@@ -102,7 +108,8 @@ void countFrame(Walk& walk, const Stage& stage, int frame, uint64_t budget, uint
     const auto [it, first] = walk.finest.emplace(demand.name, lambda);
     it->second = std::min(it->second, lambda);
   }
-  if (stats.parts_in_flight == 0 && stats.parts_resident > 0 && walk.arrived_frames < 0) walk.arrived_frames = frame;
+  if (stats.parts_in_flight == 0 && stats.parts_resident > 0 && walk.arrived_frames < 0)
+    walk.arrived_frames = frame;
   if (!sharp || walk.first_frames >= 0) return;
   walk.first_frames = frame;
   walk.first_bytes = stats.read_bytes - headers;
@@ -112,7 +119,8 @@ void reportWalk(const Device& device, const Scene& scene, const Path& path, uint
   MaterialSystemOptions options;
   options.budget_bytes = megabytes << 20;
   const Stage stage = makeStage(device, scene, options);
-  const RenderTarget target = require(makeRenderTarget({16, 9}, ColorFormat::kSrgb8, "walk"));  // what is drawn does not count here
+  const RenderTarget target =
+      require(makeRenderTarget({16, 9}, ColorFormat::kSrgb8, "walk"));  // what is drawn does not count here
   const uint64_t headers = stage.materials->stats().read_bytes;
   Walk walk;
   std::vector<double> update_ms;
@@ -124,33 +132,41 @@ void reportWalk(const Device& device, const Scene& scene, const Path& path, uint
   }
   uint64_t needed = 0;
   for (const SceneAsset& asset : scene.assets)
-    if (const auto it = walk.finest.find(asset.name); it != walk.finest.end()) needed += neededBytes(asset, it->second);
+    if (const auto it = walk.finest.find(asset.name); it != walk.finest.end())
+      needed += neededBytes(asset, it->second);
   const MaterialStats& s = stage.materials->stats();
   const uint64_t read = s.read_bytes - headers;
-  std::printf("%6llu %8.1f %8.1f %7.1f%% %6d %8.1f %8.1f %7.2f %8d %8d %9.2f %8.3f %8.3f\n", static_cast<unsigned long long>(megabytes),
-              double(s.total_bytes) * kMib, double(s.peak_bytes) * kMib, 100.0 * double(s.peak_bytes) / double(s.total_bytes),
-              walk.frames_over_budget, double(read) * kMib, double(needed) * kMib, double(read) / double(needed),
-              walk.arrived_frames, walk.first_frames, double(walk.first_bytes) * kMib, quantile(update_ms, 0.5), quantile(update_ms, 0.99));
+  std::printf("%6llu %8.1f %8.1f %7.1f%% %6d %8.1f %8.1f %7.2f %8d %8d %9.2f %8.3f %8.3f\n",
+              static_cast<unsigned long long>(megabytes), double(s.total_bytes) * kMib,
+              double(s.peak_bytes) * kMib, 100.0 * double(s.peak_bytes) / double(s.total_bytes),
+              walk.frames_over_budget, double(read) * kMib, double(needed) * kMib,
+              double(read) / double(needed), walk.arrived_frames, walk.first_frames,
+              double(walk.first_bytes) * kMib, quantile(update_ms, 0.5), quantile(update_ms, 0.99));
 }
 
 void reportWalks(const Device& device, const std::vector<Material>& materials) {
   const Path path{180, 1500, kMaterials - 1, {640, 360}};
   const Scene scene = galleryScene(materials, kMaterials, path.size.y);
-  std::printf("# walk: %d materials, %d frames at 60 Hz, for pictures of %d x %d; MiB. needed: what the finest lambda ever asked\n"
-              "# for needs. Frames until all that is wanted first has arrived, and until all in view is shown within a level. CPU ms of\n"
-              "# update() on the drawing thread, median and 99th percentile\n",
-              kMaterials, path.frames, path.size.x, path.size.y);
-  std::printf("%6s %8s %8s %8s %6s %8s %8s %7s %8s %8s %9s %8s %8s\n", "budget", "total", "peak", "share", "over", "read", "needed",
-              "ratio", "arrived", "first", "first MiB", "update50", "update99");
+  std::printf(
+      "# walk: %d materials, %d frames at 60 Hz, for pictures of %d x %d; MiB. needed: what the finest "
+      "lambda ever asked\n"
+      "# for needs. Frames until all that is wanted first has arrived, and until all in view is shown within "
+      "a level. CPU ms of\n"
+      "# update() on the drawing thread, median and 99th percentile\n",
+      kMaterials, path.frames, path.size.x, path.size.y);
+  std::printf("%6s %8s %8s %8s %6s %8s %8s %7s %8s %8s %9s %8s %8s\n", "budget", "total", "peak", "share",
+              "over", "read", "needed", "ratio", "arrived", "first", "first MiB", "update50", "update99");
   for (const uint64_t megabytes : {2, 8, 32}) reportWalk(device, scene, path, megabytes);
 }
 
-// --- what a frame costs while parts stream in --------------------------------------------------------------------
+// --- what a frame costs while parts stream in
+// --------------------------------------------------------------------
 
 constexpr int kSections = 4;  // of the walk, each drawn by both stages in turn
 
 struct Times {
-  std::vector<double> streaming, still;  // ms of frames in which anything streams, and of the same with all resident
+  std::vector<double> streaming,
+      still;  // ms of frames in which anything streams, and of the same with all resident
 };
 
 // Until the loading thread has nothing left to do, so that it does not run beside the other stage's frames.
@@ -177,7 +193,8 @@ Times walkTwice(const Stage& still, const Stage& stage, const Path& path, const 
         const uint64_t evicted = stage.materials->stats().evicted_parts;
         streaming_ms.push_back(timedFrame(stage, path, frame, target));
         const MaterialStats& stats = stage.materials->stats();
-        streams.push_back(stats.uploaded_last_frame > 0 || stats.parts_in_flight > 0 || stats.evicted_parts > evicted);
+        streams.push_back(stats.uploaded_last_frame > 0 || stats.parts_in_flight > 0 ||
+                          stats.evicted_parts > evicted);
         if (frame == end - 1) drain(stage, path.view(frame));
       }
     for (size_t i = 0; i < streams.size(); ++i) {
@@ -205,17 +222,23 @@ void reportTimes(const Device& device, const std::vector<Material>& materials, i
   {
     MaterialSystemOptions tight;
     tight.budget_bytes = 8 << 20;
-    // llvmpipe compiles a shader anew for every combination of texture formats: with each part absent, and there.
+    // llvmpipe compiles a shader anew for every combination of texture formats: with each part absent, and
+    // there.
     const Stage warm = makeStage(device, scene, tight, still.shaders);
     for (int frame = 0; frame < path.frames / 2; ++frame) {
       still.frame(path.view(frame), kSeconds, target);
       timedFrame(warm, path, frame, target);
     }
   }
-  std::printf("\n# times: %d frames of the walk, drawn at %d x %d, with parts streaming and with everything resident, in sections by\n"
-              "# turns; ms of the frames in which anything streams; streaming / still at the median and at the 99th percentile;\n"
-              "# medians of %d walks each\n", path.frames, path.size.x, path.size.y, rounds);
-  std::printf("%6s %7s %8s %8s %8s %8s %7s %7s\n", "budget", "frames", "still50", "still99", "stream50", "stream99", "x50", "x99");
+  std::printf(
+      "\n# times: %d frames of the walk, drawn at %d x %d, with parts streaming and with everything "
+      "resident, in sections by\n"
+      "# turns; ms of the frames in which anything streams; streaming / still at the median and at the 99th "
+      "percentile;\n"
+      "# medians of %d walks each\n",
+      path.frames, path.size.x, path.size.y, rounds);
+  std::printf("%6s %7s %8s %8s %8s %8s %7s %7s\n", "budget", "frames", "still50", "still99", "stream50",
+              "stream99", "x50", "x99");
   for (const uint64_t megabytes : {2, 8, 32}) {
     std::vector<double> ms[4], x50, x99;
     size_t frames = 0;
@@ -224,19 +247,21 @@ void reportTimes(const Device& device, const std::vector<Material>& materials, i
       options.budget_bytes = megabytes << 20;
       const Stage stage = makeStage(device, scene, options, still.shaders);
       const Times times = walkTwice(still, stage, path, target);
-      const double values[] = {quantile(times.still, 0.5), quantile(times.still, 0.99), quantile(times.streaming, 0.5),
-                               quantile(times.streaming, 0.99)};
+      const double values[] = {quantile(times.still, 0.5), quantile(times.still, 0.99),
+                               quantile(times.streaming, 0.5), quantile(times.streaming, 0.99)};
       for (int i = 0; i < 4; ++i) ms[i].push_back(values[i]);
       x50.push_back(values[2] / values[0]);
       x99.push_back(values[3] / values[1]);
       frames = times.still.size();
     }
-    std::printf("%6llu %7zu %8.2f %8.2f %8.2f %8.2f %7.2f %7.2f\n", static_cast<unsigned long long>(megabytes), frames,
-                median(ms[0]), median(ms[1]), median(ms[2]), median(ms[3]), median(x50), median(x99));
+    std::printf("%6llu %7zu %8.2f %8.2f %8.2f %8.2f %7.2f %7.2f\n",
+                static_cast<unsigned long long>(megabytes), frames, median(ms[0]), median(ms[1]),
+                median(ms[2]), median(ms[3]), median(x50), median(x99));
   }
 }
 
-// --- a still camera --------------------------------------------------------------------------------------------
+// --- a still camera
+// --------------------------------------------------------------------------------------------
 
 struct StillRow {
   double largest = 0, at_lambda = 0;  // mean FLIP between consecutive frames, and the level shown then
@@ -280,17 +305,22 @@ StillRow watch(const Device& device, const Material& material, int rate) {
 }
 
 void reportStill(const Device& device, const std::vector<Material>& materials) {
-  std::printf("\n# still camera from an empty GPU on, 160 x 120, uploads of 64 KiB: largest mean FLIP between consecutive frames,\n"
-              "# the level shown then, FLIP between the first and the last frame, and frames until nothing changes\n");
+  std::printf(
+      "\n# still camera from an empty GPU on, 160 x 120, uploads of 64 KiB: largest mean FLIP between "
+      "consecutive frames,\n"
+      "# the level shown then, FLIP between the first and the last frame, and frames until nothing "
+      "changes\n");
   std::printf("%-16s %5s %8s %8s %8s %7s\n", "material", "Hz", "largest", "lambda", "whole", "frames");
   for (const Material& material : materials)
     for (const int rate : {30, 60}) {
       const StillRow row = watch(device, material, rate);
-      std::printf("%-16s %5d %8.4f %8.2f %8.3f %7d\n", material.name.c_str(), rate, row.largest, row.at_lambda, row.whole, row.frames);
+      std::printf("%-16s %5d %8.4f %8.2f %8.3f %7d\n", material.name.c_str(), rate, row.largest,
+                  row.at_lambda, row.whole, row.frames);
     }
 }
 
-// --- the size of the scene -------------------------------------------------------------------------------------
+// --- the size of the scene
+// -------------------------------------------------------------------------------------
 
 void reportScale(const Device& device) {
   const RenderTarget target = require(makeRenderTarget({400, 300}, ColorFormat::kSrgb8, "scale"));
@@ -310,8 +340,11 @@ void reportScale(const Device& device) {
     });
   }
   const std::vector<double> ms = interleavedMedians(tasks, 40), update_ms = interleavedMedians(updates, 40);
-  std::printf("\n# frame time against scene size, one plane in view at 400 x 300, interleaved; update: MaterialSystem::update alone\n"
-              "%8s %9s %9s %12s\n", "objects", "ms", "to one", "update, us");
+  std::printf(
+      "\n# frame time against scene size, one plane in view at 400 x 300, interleaved; update: "
+      "MaterialSystem::update alone\n"
+      "%8s %9s %9s %12s\n",
+      "objects", "ms", "to one", "update, us");
   for (size_t i = 0; i < ms.size(); ++i)
     std::printf("%8d %9.2f %9.2f %12.2f\n", counts[i], ms[i], ms[i] / ms[0], 10 * update_ms[i]);
 }

@@ -1,12 +1,13 @@
-// Run time against error: every way to draw a tile, in one interleaved run, on the same pixels, against the traced tile.
-// A plane fills the picture, one light; near (63 pixels a tile) and far (a pixel covers 4 texels a side). Peers that need a
-// height field are drawn on tiles that are one. They have no cast shadows, as such shaders usually have not.
+// Run time against error: every way to draw a tile, in one interleaved run, on the same pixels, against the
+// traced tile. A plane fills the picture, one light; near (63 pixels a tile) and far (a pixel covers 4 texels
+// a side). Peers that need a height field are drawn on tiles that are one. They have no cast shadows, as such
+// shaders usually have not.
 //
 // `loden study time-error` runs it with the options of a study.
 //
-// fetches_per_pixel counts texture instructions; bytes_per_pixel the bytes of the texels that their filters read: 1 texel
-// for a fetch, 4 for a gather or a bilinear filter, 8 with mip levels or in a volume. No cache is assumed: a texel that
-// neighbouring pixels share counts for each of them.
+// fetches_per_pixel counts texture instructions; bytes_per_pixel the bytes of the texels that their filters
+// read: 1 texel for a fetch, 4 for a gather or a bilinear filter, 8 with mip levels or in a volume. No cache
+// is assumed: a texel that neighbouring pixels share counts for each of them.
 #include <epoxy/gl.h>
 
 #include <algorithm>
@@ -15,12 +16,12 @@
 #include <cstdlib>
 #include <optional>
 
-#include "importer/cook/cook.h"
 #include "importer/base/flip.h"
-#include "importer/cook/goal.h"
-#include "importer/cook/modes.h"
 #include "importer/base/metrics.h"
 #include "importer/base/parallel.h"
+#include "importer/cook/cook.h"
+#include "importer/cook/goal.h"
+#include "importer/cook/modes.h"
 #include "importer/study/study.h"
 #include "importer/tile/tile_tracer.h"
 #include "material/asset/asset.h"
@@ -46,11 +47,14 @@ struct View {
 };
 constexpr View kViews[] = {{"near", 3}, {"far", 190.0 * 4 / 64}};
 
-glm::dvec3 towardsEye(glm::dvec2 uv) { return glm::normalize(glm::dvec3(uv - 0.5, 0.4)); }
+glm::dvec3 towardsEye(glm::dvec2 uv) {
+  return glm::normalize(glm::dvec3(uv - 0.5, 0.4));
+}
 
 constexpr int kUnits = LODEN_MAX_UNITS + BtfTable::kTextures;
 
-// SHOW(rgb) ends every main. In counting variants alpha is the number of texture instructions, or of the bytes they read.
+// SHOW(rgb) ends every main. In counting variants alpha is the number of texture instructions, or of the
+// bytes they read.
 const char kCommon[] = R"(
 layout(location = 0) in vec2 uv;
 layout(location = 0) out vec4 color;
@@ -78,7 +82,8 @@ void main() {
 
 // Linear steps down the view ray until it is below the height map, then bisections between the last two.
 const char kMarchMain[] = R"(
-layout(binding = LODEN_MAX_UNITS) uniform sampler2D height_map;  // depth below the plane, share of depth_range
+// Depth below the plane, as a share of depth_range.
+layout(binding = LODEN_MAX_UNITS) uniform sampler2D height_map;
 uniform float depth_range;
 void main() {
   vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
@@ -125,7 +130,8 @@ class FetchBytes {
   explicit FetchBytes(const Material& m) {
     for (size_t b = 0; b < m.bands.size(); ++b) {
       const bool nearest = m.bands[b].layout == TableLayout::kNearest;
-      set(LODEN_UNIT_WEIGHTS + int(b), m.bands[b].weights, m.bands[b].filter == WeightFilter::kNearest ? 1 : 8);
+      set(LODEN_UNIT_WEIGHTS + int(b), m.bands[b].weights,
+          m.bands[b].filter == WeightFilter::kNearest ? 1 : 8);
       set(LODEN_UNIT_TABLE(int(m.bands.size())) + int(b), m.bands[b].table, nearest ? 1 : 8);
       if (nearest) bytes_[LODEN_UNIT_NEAREST_LIGHT] = bytes_[LODEN_UNIT_NEAREST_VIEW] = 1;  // R8
     }
@@ -138,9 +144,9 @@ class FetchBytes {
       set(LODEN_UNIT_PAPER_REFERENCE, m.stored_vdim->reference, 1);
       set(LODEN_UNIT_PAPER_PACKED, m.stored_vdim->packed, 4);
     }
-    bytes_[LODEN_UNIT_GEOMETRY] = 4 * 4;  // R32
+    bytes_[LODEN_UNIT_GEOMETRY] = 4 * 4;    // R32
     bytes_[LODEN_UNIT_VDIM_DEPTH] = 4 * 1;  // R8
-    bytes_[LODEN_UNIT_VDIM_VOLUME] = 4;   // RG16
+    bytes_[LODEN_UNIT_VDIM_VOLUME] = 4;     // RG16
   }
   // Of textures outside the material.
   void setFree(int texel_bytes, int texels) {
@@ -149,7 +155,9 @@ class FetchBytes {
   const float* data() const { return bytes_; }
 
  private:
-  void set(int unit, const Texture& texture, int texels) { bytes_[unit] = float(texelBytes(texture.format) * texels); }
+  void set(int unit, const Texture& texture, int texels) {
+    bytes_[unit] = float(texelBytes(texture.format) * texels);
+  }
   float bytes_[kUnits] = {};
 };
 
@@ -166,7 +174,8 @@ struct Subject {
 
 class Scene {
  public:
-  Scene(const Device& device, const FullScreen& screen, const BakedOutput& baked) : device_(device), screen_(screen), baked_(baked) {}
+  Scene(const Device& device, const FullScreen& screen, const BakedOutput& baked)
+      : device_(device), screen_(screen), baked_(baked) {}
 
   void add(const std::string& renderer, const std::string& setting, const Material& material, Lookup lookup) {
     Subject subject = load(renderer, setting, material, lookup);
@@ -175,9 +184,11 @@ class Scene {
   }
   // The surface maps of `material`, read where a march over its heights ends.
   void addMarch(const std::string& renderer, int steps, int bisections, const Material& material) {
-    Subject subject = load(renderer, std::to_string(steps) + " + " + std::to_string(bisections) + " steps", material, Lookup::kNone);
+    Subject subject = load(renderer, std::to_string(steps) + " + " + std::to_string(bisections) + " steps",
+                           material, Lookup::kNone);
     makeHeights(material.geometry);
-    compile(subject, kMarchMain, {"STEPS " + std::to_string(steps), "BISECTIONS " + std::to_string(bisections)});
+    compile(subject, kMarchMain,
+            {"STEPS " + std::to_string(steps), "BISECTIONS " + std::to_string(bisections)});
     subject.fetch_bytes.setFree(2, 8);  // R16, trilinear
     subject.extra_bytes = height_bytes_;
     subjects_.push_back(std::move(subject));
@@ -199,10 +210,12 @@ class Scene {
   }
 
   // The renderer named `base` gives the ratio's denominator.
-  void measure(const std::string& tile, const View& view, const std::string& base, importer::StudyRows& rows) const;
+  void measure(const std::string& tile, const View& view, const std::string& base,
+               importer::StudyRows& rows) const;
 
  private:
-  Subject load(const std::string& renderer, const std::string& setting, const Material& material, Lookup lookup) {
+  Subject load(const std::string& renderer, const std::string& setting, const Material& material,
+               Lookup lookup) {
     Subject subject{renderer, setting, nullptr, {}, FetchBytes(material), {}, {}, true, 0};
     MaterialSystemOptions options;
     options.lookup = lookup;
@@ -225,18 +238,23 @@ class Scene {
     if (heights_.name()) return;
     const int side = geometry.side(), mips = fullMipCount(side, side);
     std::vector<float> depths;
-    for (int t = 0; t < side * side; ++t) depths.push_back(1 - fetchTexel(geometry.texels, 0, t % side, t / side, 0).z);
+    for (int t = 0; t < side * side; ++t)
+      depths.push_back(1 - fetchTexel(geometry.texels, 0, t % side, t / side, 0).z);
     heights_ = makeTexture(GL_TEXTURE_2D, "heights");
     glTextureStorage2D(heights_.name(), mips, GL_R16, side, side);
     glTextureSubImage2D(heights_.name(), 0, 0, 0, side, side, GL_RED, GL_FLOAT, depths.data());
     glGenerateTextureMipmap(heights_.name());
     range_ = geometry.range.z;
-    height_bytes_ = textureBytes(TexelFormat::kRG8Unorm, uint64_t(side), uint64_t(side), 1, mips);  // as many bytes as R16
+    height_bytes_ = textureBytes(TexelFormat::kRG8Unorm, uint64_t(side), uint64_t(side), 1,
+                                 mips);  // as many bytes as R16
   }
-  void draw(const Subject& subject, const GlProgram& program, const View& view, const glm::vec3& mean, bool count_bytes = false) const {
+  void draw(const Subject& subject, const GlProgram& program, const View& view, const glm::vec3& mean,
+            bool count_bytes = false) const {
     subject.materials->bind(subject.id);
-    if (subject.renderer == "full BTF table") table_->bind();
-    else if (heights_.name()) glBindTextureUnit(LODEN_MAX_UNITS, heights_.name());
+    if (subject.renderer == "full BTF table")
+      table_->bind();
+    else if (heights_.name())
+      glBindTextureUnit(LODEN_MAX_UNITS, heights_.name());
     // Location -1 of a uniform that the program does not have is ignored.
     const auto location = [&](const char* name) { return glGetUniformLocation(program.name(), name); };
     glProgramUniform1f(program.name(), location("periods"), float(view.periods));
@@ -269,8 +287,10 @@ std::vector<glm::vec3> Scene::truth(const std::string& tile, const View& view) c
       const glm::dvec3 wo = towardsEye((glm::dvec2(i, double(j)) + 0.5) / double(kPixels));
       glm::dvec3 sum(0);
       for (int s = 0; s < kTruthSamples * kTruthSamples; ++s) {
-        const glm::dvec2 inside = (glm::dvec2(s % kTruthSamples, s / kTruthSamples) + 0.4871) / double(kTruthSamples);
-        const auto hit = tracer.intersectView((glm::dvec2(i, double(j)) + inside) / double(kPixels) * view.periods, wo);
+        const glm::dvec2 inside =
+            (glm::dvec2(s % kTruthSamples, s / kTruthSamples) + 0.4871) / double(kTruthSamples);
+        const auto hit =
+            tracer.intersectView((glm::dvec2(i, double(j)) + inside) / double(kPixels) * view.periods, wo);
         if (hit) sum += importer::shadeHit(tracer, *hit, kLight, wo, 0, 0);
       }
       pixels[j * kPixels + size_t(i)] = glm::vec3(sum / double(kTruthSamples * kTruthSamples));
@@ -279,12 +299,14 @@ std::vector<glm::vec3> Scene::truth(const std::string& tile, const View& view) c
   return pixels;
 }
 
-void Scene::measure(const std::string& tile, const View& view, const std::string& base, importer::StudyRows& rows) const {
+void Scene::measure(const std::string& tile, const View& view, const std::string& base,
+                    importer::StudyRows& rows) const {
   const std::vector<glm::vec3> expected = truth(tile, view);
   glm::dvec3 mean(0);
   for (const glm::vec3& pixel : expected) mean += glm::dvec3(pixel) / double(expected.size());
   std::vector<std::function<void()>> tasks;
-  for (const Subject& subject : subjects_) tasks.push_back([&, mean] { draw(subject, subject.program, view, glm::vec3(mean)); });
+  for (const Subject& subject : subjects_)
+    tasks.push_back([&, mean] { draw(subject, subject.program, view, glm::vec3(mean)); });
   const std::vector<double> ms = interleavedMedians(tasks, kRounds);
   double base_ms = 0;
   for (size_t i = 0; i < subjects_.size(); ++i)
@@ -300,11 +322,18 @@ void Scene::measure(const std::string& tile, const View& view, const std::string
     importer::ErrorSums error;
     error.add(expected, got);
     importer::StudyRow row;
-    row.set("scene", tile + " " + view.name).set("renderer", subject.renderer).set("setting", subject.setting);
-    row.set("ms_median", ms[i]).set("ratio_to_normal_map", ms[i] / base_ms).set("fetches_per_pixel", fetches / double(expected.size()));
+    row.set("scene", tile + " " + view.name)
+        .set("renderer", subject.renderer)
+        .set("setting", subject.setting);
+    row.set("ms_median", ms[i])
+        .set("ratio_to_normal_map", ms[i] / base_ms)
+        .set("fetches_per_pixel", fetches / double(expected.size()));
     row.set("bytes_per_pixel", bytes / double(expected.size()));
-    row.set("gpu_bytes", (subject.uses_material ? subject.materials->stats().resident_bytes : uint64_t{0}) + subject.extra_bytes);
-    row.set("flip", importer::flip(expected, got, kPixels, kPixels).mean).set("rmse", error.y().rmse).set("psnr_db", error.psnr());
+    row.set("gpu_bytes", (subject.uses_material ? subject.materials->stats().resident_bytes : uint64_t{0}) +
+                             subject.extra_bytes);
+    row.set("flip", importer::flip(expected, got, kPixels, kPixels).mean)
+        .set("rmse", error.y().rmse)
+        .set("psnr_db", error.psnr());
     rows.push_back(std::move(row));
   }
 }
@@ -321,10 +350,12 @@ Material smallestFused(const BakedOutput& baked) {
   const auto source = require(importer::bakedSource(baked));
   const auto btf = require(importer::loadYcc(*source, 0));
   const importer::FusedPlan plan = importer::smallestPlan(baked.manifest().geometry_size);
-  return importer::fitFused(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0).material;
+  return importer::fitFused(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0)
+      .material;
 }
 
-void measureTile(const Device& device, const FullScreen& screen, const importer::StudyOptions& options, const std::string& tile, importer::StudyRows& rows) {
+void measureTile(const Device& device, const FullScreen& screen, const importer::StudyOptions& options,
+                 const std::string& tile, importer::StudyRows& rows) {
   const BakedOutput baked = require(importer::studyBake(options, tile));
   using importer::Preset;
   const Material surface = cooked(baked, Mode::kSurface, Preset::kGame);
@@ -343,8 +374,10 @@ void measureTile(const Device& device, const FullScreen& screen, const importer:
     scene.addMarch("relief mapping", 32, 6, maps);
   }
   scene.add("Flat-BTF, as published", "latlong 16x16, blended", paper, Lookup::kPaper);
-  if (const int size = baked.manifest().size; (size & (size - 1)) == 0) scene.addTable(without_geometry);  // its mips are 2 x 2 means
-  scene.add("LOD-BTF, as published", "8,2,2 components, 32 bit", cooked(baked, Mode::kLod, Preset::kSeed), Lookup::kNone);
+  if (const int size = baked.manifest().size; (size & (size - 1)) == 0)
+    scene.addTable(without_geometry);  // its mips are 2 x 2 means
+  scene.add("LOD-BTF, as published", "8,2,2 components, 32 bit", cooked(baked, Mode::kLod, Preset::kSeed),
+            Lookup::kNone);
   scene.add("Loden, lod", "16 components, 8 bit", cooked(baked, Mode::kLod, Preset::kGame), Lookup::kNone);
   scene.add("Loden, surface", "fast lookup", surface, Lookup::kFast);
   scene.add("Loden, surface", "default lookup", surface, Lookup::kDefault);
@@ -362,8 +395,10 @@ struct Arguments {
 };
 
 [[noreturn]] void usage(const std::string& wrong) {
-  std::fprintf(stderr, "bench_time_error: %s\n"
-               "usage: bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv FILE] [--format text|json] [--threads N]\n"
+  std::fprintf(stderr,
+               "bench_time_error: %s\n"
+               "usage: bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv "
+               "FILE] [--format text|json] [--threads N]\n"
                "       [--command TEXT] [-q]; TEXT stands in the JSON as what was typed\n",
                wrong.c_str());
   std::exit(1);
@@ -373,7 +408,8 @@ struct Arguments {
 int wholeNumber(const std::string& option, const std::string& text, int least, int most) {
   char* end = nullptr;
   const long value = std::strtol(text.c_str(), &end, 10);
-  if (text.empty() || *end != '\0' || value < least || value > most) usage(option + ": '" + text + "' is not " + std::to_string(least) + " to " + std::to_string(most));
+  if (text.empty() || *end != '\0' || value < least || value > most)
+    usage(option + ": '" + text + "' is not " + std::to_string(least) + " to " + std::to_string(most));
   return static_cast<int>(value);
 }
 
@@ -385,21 +421,33 @@ Arguments parseArguments(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     all.command += " " + option;
-    if (option == "-q") { all.study.quiet = true; continue; }
+    if (option == "-q") {
+      all.study.quiet = true;
+      continue;
+    }
     if (++i == argc) usage(option + " is unknown, or needs a value");
     const std::string value = argv[i];
     all.command += " " + value;
     if (option == "--tile") {
-      for (size_t at = 0; at <= value.size(); at = value.find(',', at) == std::string::npos ? value.size() + 1 : value.find(',', at) + 1)
+      for (size_t at = 0; at <= value.size();
+           at = value.find(',', at) == std::string::npos ? value.size() + 1 : value.find(',', at) + 1)
         all.study.tiles.push_back(value.substr(at, value.find(',', at) - at));
-    } else if (option == "--size") all.study.size = wholeNumber(option, value, 4, 256);
-    else if (option == "--threads") all.study.threads = wholeNumber(option, value, 0, 1024);
-    else if (option == "--bakes") all.study.bakes = value;
-    else if (option == "--json") all.json = value;
-    else if (option == "--csv") all.csv = value;
-    else if (option == "--command") command = value;
-    else if (option == "--format" && (value == "text" || value == "json")) all.print_json = value == "json";
-    else usage(option + " " + value + " is unknown");
+    } else if (option == "--size")
+      all.study.size = wholeNumber(option, value, 4, 256);
+    else if (option == "--threads")
+      all.study.threads = wholeNumber(option, value, 0, 1024);
+    else if (option == "--bakes")
+      all.study.bakes = value;
+    else if (option == "--json")
+      all.json = value;
+    else if (option == "--csv")
+      all.csv = value;
+    else if (option == "--command")
+      command = value;
+    else if (option == "--format" && (value == "text" || value == "json"))
+      all.print_json = value == "json";
+    else
+      usage(option + " " + value + " is unknown");
   }
   if (all.study.tiles.empty()) all.study.tiles = {"button", "pulli"};
   if (!command.empty()) all.command = command;
@@ -421,14 +469,17 @@ int main(int argc, char** argv) {
   const std::unique_ptr<Device> device = makeDevice();
   const FullScreen screen({kPixels, kPixels});
   importer::StudyRows rows;
-  for (const std::string& tile : arguments.study.tiles) measureTile(*device, screen, arguments.study, tile, rows);
-  const std::string json = importer::studyJson({"time-error", "run time against error", nullptr}, arguments.command, rows);
+  for (const std::string& tile : arguments.study.tiles)
+    measureTile(*device, screen, arguments.study, tile, rows);
+  const std::string json =
+      importer::studyJson({"time-error", "run time against error", nullptr}, arguments.command, rows);
   write(arguments.json, json);
   write(arguments.csv, importer::studyCsv(rows));
   if (arguments.print_json)
     std::printf("%s", json.c_str());
   else
-    std::printf("# bench_time_error: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n%s", kPixels, kPixels, kRounds,
-                device->capabilities().renderer.c_str(), importer::studyTable(rows).c_str());
+    std::printf("# bench_time_error: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n%s",
+                kPixels, kPixels, kRounds, device->capabilities().renderer.c_str(),
+                importer::studyTable(rows).c_str());
   return std::fflush(stdout) == 0 ? 0 : 2;
 }

@@ -1,5 +1,5 @@
-// Damaged assets, from outside: every verb that reads one ends with a documented exit code, says why, and leaves no
-// output; so does loden_walk. LODEN_DAMAGES=N in the environment tries N per mode instead of a few.
+// Damaged assets, from outside: every verb that reads one ends with a documented exit code, says why, and
+// leaves no output; so does loden_walk. LODEN_DAMAGES=N in the environment tries N per mode instead of a few.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -23,10 +23,12 @@ struct Damage {
   std::string what, bytes;
 };
 
-// In turn: the file cut anywhere, cut at the end of a chunk, a bit turned in the header and chunk table, a bit turned
-// anywhere, and a run of bytes overwritten.
+// In turn: the file cut anywhere, cut at the end of a chunk, a bit turned in the header and chunk table, a
+// bit turned anywhere, and a run of bytes overwritten.
 Damage damaged(const std::string& sound, const std::vector<size_t>& chunk_ends, int k, std::mt19937& random) {
-  const auto below = [&](size_t limit) { return std::uniform_int_distribution<size_t>(0, limit - 1)(random); };
+  const auto below = [&](size_t limit) {
+    return std::uniform_int_distribution<size_t>(0, limit - 1)(random);
+  };
   std::string bytes = sound;
   const auto turn = [&](size_t at) {
     const int bit = static_cast<int>(below(8));
@@ -42,8 +44,10 @@ Damage damaged(const std::string& sound, const std::vector<size_t>& chunk_ends, 
       const size_t length = chunk_ends[below(chunk_ends.size())];
       return {"cut to " + std::to_string(length) + " bytes, the end of a chunk", sound.substr(0, length)};
     }
-    case 2: return turn(below(std::min<size_t>(sound.size(), 1024)));
-    case 3: return turn(below(sound.size()));
+    case 2:
+      return turn(below(std::min<size_t>(sound.size(), 1024)));
+    case 3:
+      return turn(below(sound.size()));
     default: {
       const size_t at = below(sound.size()), length = std::min<size_t>(sound.size() - at, 1 + below(64));
       for (size_t i = at; i < at + length; ++i) bytes[i] = static_cast<char>(below(256));
@@ -92,7 +96,8 @@ void tryAllVerbs(const ScratchFolder& scratch, const std::string& sound, const D
 std::vector<size_t> chunkEnds(const std::string& asset) {
   const Json info = Json::parse(loden({"info", asset, "--format", "json"}).out);
   std::vector<size_t> ends;
-  for (const Json& chunk : info["chunks"]) ends.push_back(chunk["offset"].get<size_t>() + chunk["stored_bytes"].get<size_t>());
+  for (const Json& chunk : info["chunks"])
+    ends.push_back(chunk["offset"].get<size_t>() + chunk["stored_bytes"].get<size_t>());
   return ends;
 }
 
@@ -102,7 +107,8 @@ TEST_P(Damaged, Asset_GivesADocumentedExitCodeAndNoOutput) {
   const ScratchFolder scratch;
   const std::string asset = scratch / "sound.loden";
   std::vector<std::string> cook{"cook", sharedBake(), "-o", asset, "--mode", GetParam(), "-q"};
-  if (std::string(GetParam()) == "surface") cook.insert(cook.end(), {"--preset", "seed"});  // with a stored VDIM
+  if (std::string(GetParam()) == "surface")
+    cook.insert(cook.end(), {"--preset", "seed"});  // with a stored VDIM
   ASSERT_EQ(loden(cook).exit_code, 0);
   const std::string sound = fileText(asset);
   const std::vector<size_t> ends = chunkEnds(asset);
@@ -111,7 +117,8 @@ TEST_P(Damaged, Asset_GivesADocumentedExitCodeAndNoOutput) {
   for (int k = 0; k < damagesPerMode(); ++k) tryAllVerbs(scratch, sound, damaged(sound, ends, k, random));
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, Damaged, ::testing::Values("lod", "surface", "fused"), [](const auto& mode) { return std::string(mode.param); });
+INSTANTIATE_TEST_SUITE_P(Modes, Damaged, ::testing::Values("lod", "surface", "fused"),
+                         [](const auto& mode) { return std::string(mode.param); });
 
 }  // namespace
 }  // namespace loden::test

@@ -1,5 +1,5 @@
-# Installs this build into a fresh prefix, builds the project in consumer/ against it and runs that on an asset cooked here.
-# cmake -DBUILD=<build folder> -DCONSUMER=<source folder> -DWORK=<scratch folder> -P this
+# Installs this build into a fresh prefix, builds the project in consumer/ against it and runs that on an
+# asset cooked here. cmake -DBUILD=<build folder> -DCONSUMER=<source folder> -DWORK=<scratch folder> -P this
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})

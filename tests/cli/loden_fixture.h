@@ -7,7 +7,8 @@
 
 namespace loden::test {
 
-inline ToolRun loden(const std::vector<std::string>& arguments, const std::filesystem::path& interrupt_at = {}, int signal = SIGINT) {
+inline ToolRun loden(const std::vector<std::string>& arguments,
+                     const std::filesystem::path& interrupt_at = {}, int signal = SIGINT) {
   return runTool(LODEN_TOOL, arguments, interrupt_at, signal);
 }
 
@@ -23,10 +24,14 @@ inline const std::filesystem::path& sharedFolder() {
     if (!std::filesystem::exists(made) ||
         std::filesystem::last_write_time(made) < std::filesystem::last_write_time(LODEN_TOOL)) {
       std::filesystem::remove_all(path / "bake");
-      const ToolRun bake = loden({"bake", "builtin:pulli", "-o", path / "bake", "--size", "8", "--supersample", "1", "-q"});
-      const ToolRun cook = loden({"cook", path / "bake", "-o", path / "material.loden", "--mode", "lod", "-q"});
-      if (bake.exit_code == 0 && cook.exit_code == 0) writeText(made, "");
-      else std::fprintf(stderr, "%s%s", bake.err.c_str(), cook.err.c_str());
+      const ToolRun bake =
+          loden({"bake", "builtin:pulli", "-o", path / "bake", "--size", "8", "--supersample", "1", "-q"});
+      const ToolRun cook =
+          loden({"cook", path / "bake", "-o", path / "material.loden", "--mode", "lod", "-q"});
+      if (bake.exit_code == 0 && cook.exit_code == 0)
+        writeText(made, "");
+      else
+        std::fprintf(stderr, "%s%s", bake.err.c_str(), cook.err.c_str());
     }
     close(lock);
     return path;
@@ -34,8 +39,12 @@ inline const std::filesystem::path& sharedFolder() {
   return folder;
 }
 
-inline std::string sharedBake() { return sharedFolder() / "bake"; }
-inline std::string sharedAsset() { return sharedFolder() / "material.loden"; }
+inline std::string sharedBake() {
+  return sharedFolder() / "bake";
+}
+inline std::string sharedAsset() {
+  return sharedFolder() / "material.loden";
+}
 
 // Two textured triangles and a second material with an unknown extension; positions and uvs in scene.bin.
 inline void writeScene(const std::filesystem::path& folder) {
@@ -54,7 +63,8 @@ inline void writeScene(const std::filesystem::path& folder) {
   "extensionsUsed": ["VENDOR_thing"],
   "buffers": [{"uri": "scene.bin", "byteLength": 60}],
   "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24}],
-  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0,
+      0], "max": [1, 1, 0]},
                 {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}]
 })");
 }

@@ -44,7 +44,8 @@ TEST(Bake, FixNonfinite_RepairsAndReports) {
   constexpr int kSide = 8;
   std::string text;
   for (int t = 0; t <= (kSide + 1) * (kSide + 1) - 1; ++t) {
-    const std::string x = std::to_string(t % (kSide + 1) / double(kSide)), y = std::to_string(t / (kSide + 1) / double(kSide));
+    const std::string x = std::to_string(t % (kSide + 1) / double(kSide)),
+                      y = std::to_string(t / (kSide + 1) / double(kSide));
     text += "v " + x + " " + (t == 40 ? std::string("nan") : y) + " 0\nvt " + x + " " + y + "\n";
   }
   for (int j = 0; j < kSide; ++j)
@@ -57,7 +58,8 @@ TEST(Bake, FixNonfinite_RepairsAndReports) {
       text += "\n";
     }
   writeText(scratch / "tile.obj", text);
-  const std::vector<std::string> bake{"bake", scratch / "tile.obj", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--supersample", "1"};
+  const std::vector<std::string> bake{"bake", scratch / "tile.obj", "-o",  scratch / "out", "--size",
+                                      "4",    "--directions",       "2x2", "--supersample", "1"};
   const ToolRun refused = loden(bake);
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_NE(refused.err.find("line 81: 1 of 81"), std::string::npos) << refused.err;
@@ -76,11 +78,15 @@ TEST(Bake, FixNonfinite_RepairsAndReports) {
 TEST(Bake, WhatIsNotBaked_IsWarnedOf) {
   const ScratchFolder scratch;
   writeText(scratch / "m.mtl", "newmtl cloth\nmap_Kd weave.png\n");
-  writeText(scratch / "tile.obj", "mtllib m.mtl\nusemtl cloth\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
-  std::vector<std::string> bake{"bake", scratch / "tile.obj", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--format", "json"};
+  writeText(scratch / "tile.obj",
+            "mtllib m.mtl\nusemtl cloth\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 "
+            "1\nf 1/1 2/2 3/3 4/4\n");
+  std::vector<std::string> bake{"bake", scratch / "tile.obj", "-o",  scratch / "out", "--size",
+                                "4",    "--directions",       "2x2", "--format",      "json"};
   const ToolRun run = loden(bake);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.err.find("m.mtl: line 2, material 'cloth': map_Kd is not baked"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("m.mtl: line 2, material 'cloth': map_Kd is not baked"), std::string::npos)
+      << run.err;
   EXPECT_EQ(Json::parse(run.out)["warnings"].size(), 1u);
   bake.push_back("-q");
   EXPECT_EQ(loden(bake).err, "");
@@ -90,20 +96,28 @@ TEST(Bake, WhatIsNotBaked_IsWarnedOf) {
 
 TEST(Bake, ConcentricVdim_IsStoredAndExtracted) {
   const ScratchFolder scratch;
-  const std::vector<std::string> bake{"bake", "builtin:pulli", "-o", scratch / "out", "--size", "4", "--directions", "2x2", "--supersample", "1", "-q"};
+  const std::vector<std::string> bake{"bake", "builtin:pulli", "-o",  scratch / "out", "--size",
+                                      "4",    "--directions",  "2x2", "--supersample", "1",
+                                      "-q"};
   auto with = bake;
   with.insert(with.end(), {"--vdim", "concentric:3,latlong:4x5"});
   ASSERT_EQ(loden(with).exit_code, 0);
-  const ToolRun depths = loden({"extract", scratch / "out", "--map", "vdim.concentric:3", "-o", scratch / "depths.exr", "--format", "json"});
+  const ToolRun depths = loden({"extract", scratch / "out", "--map", "vdim.concentric:3", "-o",
+                                scratch / "depths.exr", "--format", "json"});
   ASSERT_EQ(depths.exit_code, 0) << depths.err;
   EXPECT_EQ(Json::parse(depths.out)["width"], 12);
   EXPECT_EQ(Json::parse(depths.out)["height"], 12);
-  EXPECT_EQ(loden({"extract", scratch / "out", "--map", "vdim.latlong:4x5", "-o", scratch / "latlong.exr"}).exit_code, 0);
-  EXPECT_EQ(loden({"extract", scratch / "out", "--map", "geometry", "-o", scratch / "geometry.exr"}).exit_code, 0);
-  const ToolRun wrong = loden({"extract", scratch / "out", "--map", "vdim.concentric:4", "-o", scratch / "wrong.exr"});
+  EXPECT_EQ(loden({"extract", scratch / "out", "--map", "vdim.latlong:4x5", "-o", scratch / "latlong.exr"})
+                .exit_code,
+            0);
+  EXPECT_EQ(
+      loden({"extract", scratch / "out", "--map", "geometry", "-o", scratch / "geometry.exr"}).exit_code, 0);
+  const ToolRun wrong =
+      loden({"extract", scratch / "out", "--map", "vdim.concentric:4", "-o", scratch / "wrong.exr"});
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_NE(wrong.err.find("vdim.concentric:3"), std::string::npos) << wrong.err;
-  for (const char* bad : {"concentric:0", "concentric:257", "concentric:3x3", "latlong:1x4", "latlong:4x999", "cube:4"}) {
+  for (const char* bad :
+       {"concentric:0", "concentric:257", "concentric:3x3", "latlong:1x4", "latlong:4x999", "cube:4"}) {
     auto refused = bake;
     refused.insert(refused.end(), {"--vdim", bad});
     EXPECT_EQ(loden(refused).exit_code, 1) << bad;
@@ -113,7 +127,9 @@ TEST(Bake, ConcentricVdim_IsStoredAndExtracted) {
 TEST(Bake, MalformedNumber_IsInvalidInputWithItsLine) {
   const ScratchFolder scratch;
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"v 0 0 0\nv 1 0,5 0\n", "line 2"}, {"v 0 0\n", "line 1"}, {"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3x\n", "line 4"}};
+      {"v 0 0 0\nv 1 0,5 0\n", "line 2"},
+      {"v 0 0\n", "line 1"},
+      {"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3x\n", "line 4"}};
   for (const auto& [text, line] : cases) {
     writeText(scratch / "tile.obj", text);
     const ToolRun run = loden({"bake", scratch / "tile.obj", "-o", scratch / "out", "-q"});
@@ -126,7 +142,8 @@ TEST(Bake, FolderThatIsNoBake_IsLeftAlone) {
   const ScratchFolder scratch;
   std::filesystem::create_directories(scratch / "out/surface");
   writeText(scratch / "out/surface/notes.txt", "mine");
-  const ToolRun run = loden({"bake", "builtin:pulli", "-o", scratch / "out", "--size", "4", "--supersample", "1", "-q"});
+  const ToolRun run =
+      loden({"bake", "builtin:pulli", "-o", scratch / "out", "--size", "4", "--supersample", "1", "-q"});
   EXPECT_EQ(run.exit_code, 2) << run.err;
   EXPECT_EQ(fileText(scratch / "out/surface/notes.txt"), "mine");
   EXPECT_FALSE(std::filesystem::exists(scratch / "out/btf"));
@@ -134,7 +151,8 @@ TEST(Bake, FolderThatIsNoBake_IsLeftAlone) {
 
 TEST(Bake, ListOption_LeavesTheTileAlone) {
   const ScratchFolder scratch;
-  const ToolRun run = loden({"bake", "--maps", "surface", "--maps", "vdim,btf", "builtin:pulli", "-o", scratch / "out", "--size", "4", "--supersample", "1", "-q"});
+  const ToolRun run = loden({"bake", "--maps", "surface", "--maps", "vdim,btf", "builtin:pulli", "-o",
+                             scratch / "out", "--size", "4", "--supersample", "1", "-q"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_FALSE(std::filesystem::is_empty(scratch / "out/surface"));
   EXPECT_FALSE(std::filesystem::is_empty(scratch / "out/btf"));
@@ -145,33 +163,44 @@ TEST(Cook, ThreadCount_DoesNotChangeTheBytes) {
   const ScratchFolder scratch;
   for (const std::string mode : {"lod", "surface", "fused"}) {
     const std::string one = scratch / (mode + "1.loden"), two = scratch / (mode + "2.loden");
-    ASSERT_EQ(loden({"cook", sharedBake(), "-o", one, "--mode", mode, "--threads", "1", "-q"}).exit_code, 0) << mode;
-    ASSERT_EQ(loden({"cook", sharedBake(), "-o", two, "--mode", mode, "--threads", "2", "-q"}).exit_code, 0) << mode;
+    ASSERT_EQ(loden({"cook", sharedBake(), "-o", one, "--mode", mode, "--threads", "1", "-q"}).exit_code, 0)
+        << mode;
+    ASSERT_EQ(loden({"cook", sharedBake(), "-o", two, "--mode", mode, "--threads", "2", "-q"}).exit_code, 0)
+        << mode;
     EXPECT_TRUE(fileText(one) == fileText(two)) << mode;
   }
 }
 
 TEST(Bake, BonnLayout_CooksLikeTheBake) {
   const ScratchFolder scratch;
-  const std::string bake = scratch / "bake", from_bake = scratch / "a.loden", from_images = scratch / "b.loden";
-  ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", bake, "--size", "8", "--supersample", "1", "--layout", "bonn", "--encoding", "hdr", "-q"}).exit_code, 0);
+  const std::string bake = scratch / "bake", from_bake = scratch / "a.loden",
+                    from_images = scratch / "b.loden";
+  ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", bake, "--size", "8", "--supersample", "1", "--layout",
+                   "bonn", "--encoding", "hdr", "-q"})
+                .exit_code,
+            0);
   ASSERT_EQ(loden({"cook", bake, "-o", from_bake, "--mode", "lod", "-q"}).exit_code, 0);
   const ToolRun cook = loden({"cook", scratch / "bake/bonn", "-o", from_images, "--mode", "lod"});
   ASSERT_EQ(cook.exit_code, 0) << cook.err;
   EXPECT_NE(cook.err.find("reciprocity slope"), std::string::npos) << cook.err;
   // RGBE keeps 8 bits of the largest channel.
   EXPECT_EQ(loden({"compare", from_bake, from_images, "--fail", "0.01", "--every", "9", "-q"}).exit_code, 0);
-  ASSERT_EQ(loden({"bake", "builtin:sponge", "-o", bake, "--size", "4", "--directions", "2x2", "--supersample", "1", "-q"}).exit_code, 0);
+  ASSERT_EQ(loden({"bake", "builtin:sponge", "-o", bake, "--size", "4", "--directions", "2x2",
+                   "--supersample", "1", "-q"})
+                .exit_code,
+            0);
   EXPECT_FALSE(std::filesystem::exists(scratch / "bake/bonn")) << "images of another tile";
 }
 
 TEST(Info, Text_SaysWhichLookupTheCookerChoseAndItsError) {
   const ScratchFolder scratch;
   ASSERT_EQ(loden({"cook", sharedBake(), "-o", scratch / "m.loden", "--mode", "surface", "-q"}).exit_code, 0);
-  const ToolRun text = loden({"info", scratch / "m.loden"}), json = loden({"info", scratch / "m.loden", "--format", "json"});
+  const ToolRun text = loden({"info", scratch / "m.loden"}),
+                json = loden({"info", scratch / "m.loden", "--format", "json"});
   const Json lookup = Json::parse(json.out)["cook"]["lookup"];
   char line[60];
-  std::snprintf(line, sizeof line, "lookup default  mean error %.3f texels", lookup["default"]["mean_texels"].get<double>());
+  std::snprintf(line, sizeof line, "lookup default  mean error %.3f texels",
+                lookup["default"]["mean_texels"].get<double>());
   EXPECT_NE(text.out.find(line), std::string::npos) << text.out;
   const size_t chosen = text.out.find(", chosen");
   ASSERT_NE(chosen, std::string::npos) << text.out;
@@ -189,7 +218,9 @@ TEST(Info, CutAsset_ShowsWhatItCanAndFails) {
   EXPECT_FALSE(json["issues"].empty());
   EXPECT_EQ(json["mode"], "lod");
   EXPECT_EQ(loden({"validate", scratch / "cut.loden"}).exit_code, 3);
-  EXPECT_EQ(loden({"extract", scratch / "cut.loden", "-o", scratch / "o.exr", "--map", "band0.weights"}).exit_code != 0, true);
+  EXPECT_EQ(loden({"extract", scratch / "cut.loden", "-o", scratch / "o.exr", "--map", "band0.weights"})
+                    .exit_code != 0,
+            true);
   EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));
 }
 
@@ -216,7 +247,8 @@ TEST(Validate, SomethingElse_IsInvalid) {
 }
 
 TEST(Compare, BakeAgainstItself_IsZero) {
-  const ToolRun run = loden({"compare", sharedBake(), sharedBake(), "--fail", "0", "--every", "5", "--format", "json", "-q"});
+  const ToolRun run =
+      loden({"compare", sharedBake(), sharedBake(), "--fail", "0", "--every", "5", "--format", "json", "-q"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_EQ(json["all"]["y"]["rmse"], 0);
@@ -225,12 +257,15 @@ TEST(Compare, BakeAgainstItself_IsZero) {
 }
 
 TEST(Compare, AboveTheLimit_IsDifference) {
-  EXPECT_EQ(loden({"compare", sharedBake(), sharedAsset(), "--fail", "1e-9", "--every", "9", "-q"}).exit_code, 7);
-  EXPECT_EQ(loden({"compare", sharedBake(), sharedAsset(), "--fail", "10", "--every", "9", "-q"}).exit_code, 0);
+  EXPECT_EQ(loden({"compare", sharedBake(), sharedAsset(), "--fail", "1e-9", "--every", "9", "-q"}).exit_code,
+            7);
+  EXPECT_EQ(loden({"compare", sharedBake(), sharedAsset(), "--fail", "10", "--every", "9", "-q"}).exit_code,
+            0);
 }
 
 TEST(Compare, AssetAgainstItself_IsZero) {
-  EXPECT_EQ(loden({"compare", sharedAsset(), sharedAsset(), "--fail", "0", "--every", "20", "-q"}).exit_code, 0);
+  EXPECT_EQ(loden({"compare", sharedAsset(), sharedAsset(), "--fail", "0", "--every", "20", "-q"}).exit_code,
+            0);
 }
 
 TEST(Extract, DecodedSlice_ResemblesTheTrueOne) {
@@ -243,27 +278,39 @@ TEST(Extract, DecodedSlice_ResemblesTheTrueOne) {
   ASSERT_EQ(loden(decoded).exit_code, 0);
   // Measured: 0.043 for the same directions (the material is a fit), 0.11 and more for a wrong light or view.
   const std::string limit = "0.07";
-  EXPECT_EQ(loden({"compare", scratch / "true.exr", scratch / "decoded.exr", "--fail", limit, "-q"}).exit_code, 0);
-  ASSERT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "wrong.exr", "--light", "30,240", "--view", "45,40"}).exit_code, 0);
-  EXPECT_EQ(loden({"compare", scratch / "true.exr", scratch / "wrong.exr", "--fail", limit, "-q"}).exit_code, 7);
+  EXPECT_EQ(
+      loden({"compare", scratch / "true.exr", scratch / "decoded.exr", "--fail", limit, "-q"}).exit_code, 0);
+  ASSERT_EQ(
+      loden({"extract", sharedAsset(), "-o", scratch / "wrong.exr", "--light", "30,240", "--view", "45,40"})
+          .exit_code,
+      0);
+  EXPECT_EQ(loden({"compare", scratch / "true.exr", scratch / "wrong.exr", "--fail", limit, "-q"}).exit_code,
+            7);
 }
 
-// An asset that has all that lookups read, one without the published map, and one that has nothing to look up.
+// An asset that has all that lookups read, one without the published map, and one that has nothing to look
+// up.
 TEST(Extract, EveryLookup_IsTakenOrSaysWhatItNeeds) {
   const ScratchFolder scratch;
-  const std::string all = scratch / "all.loden", game = scratch / "game.loden", lod = scratch / "lod.loden", slice = scratch / "slice.exr";
-  ASSERT_EQ(loden({"cook", sharedBake(), "-o", all, "--mode", "surface", "--preset", "seed", "-q"}).exit_code, 0);
+  const std::string all = scratch / "all.loden", game = scratch / "game.loden", lod = scratch / "lod.loden",
+                    slice = scratch / "slice.exr";
+  ASSERT_EQ(loden({"cook", sharedBake(), "-o", all, "--mode", "surface", "--preset", "seed", "-q"}).exit_code,
+            0);
   ASSERT_EQ(loden({"cook", sharedBake(), "-o", game, "--mode", "surface", "-q"}).exit_code, 0);
   ASSERT_EQ(loden({"cook", sharedBake(), "-o", lod, "--mode", "lod", "-q"}).exit_code, 0);
   for (const char* lookup : {"none", "paper", "fast", "default", "quality"}) {
-    EXPECT_EQ(loden({"extract", all, "--view", "40,30", "--lookup", lookup, "-o", slice}).exit_code, 0) << lookup;
-    EXPECT_EQ(loden({"extract", lod, "--view", "40,30", "--lookup", lookup, "-o", slice}).exit_code, 0) << lookup;
+    EXPECT_EQ(loden({"extract", all, "--view", "40,30", "--lookup", lookup, "-o", slice}).exit_code, 0)
+        << lookup;
+    EXPECT_EQ(loden({"extract", lod, "--view", "40,30", "--lookup", lookup, "-o", slice}).exit_code, 0)
+        << lookup;
     std::filesystem::remove(slice);
     const bool needs = lookup == std::string("paper");
-    const ToolRun run = loden({"extract", game, "--lookup", lookup, "-o", slice}), compared = loden({"compare", all, game, "--lookup", lookup, "--every", "27", "-q"});
+    const ToolRun run = loden({"extract", game, "--lookup", lookup, "-o", slice}),
+                  compared = loden({"compare", all, game, "--lookup", lookup, "--every", "27", "-q"});
     for (const ToolRun* r : {&run, &compared}) {
       EXPECT_EQ(r->exit_code, needs ? 1 : 0) << lookup;
-      EXPECT_EQ(r->err.find(game + ": cannot be looked up by --lookup paper") != std::string::npos, needs) << r->err;
+      EXPECT_EQ(r->err.find(game + ": cannot be looked up by --lookup paper") != std::string::npos, needs)
+          << r->err;
     }
     EXPECT_EQ(std::filesystem::exists(slice), !needs) << lookup;
   }
@@ -271,7 +318,8 @@ TEST(Extract, EveryLookup_IsTakenOrSaysWhatItNeeds) {
 
 TEST(Extract, HighestLambda_IsOneTexel) {
   const ScratchFolder scratch;
-  const ToolRun run = loden({"extract", sharedAsset(), "-o", scratch / "o.exr", "--lambda", "32", "--format", "json"});
+  const ToolRun run =
+      loden({"extract", sharedAsset(), "-o", scratch / "o.exr", "--lambda", "32", "--format", "json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Json::parse(run.out)["width"], 1);
 }
@@ -288,7 +336,9 @@ TEST(Extract, BothDomainsAndMaps_AreWritten) {
   EXPECT_EQ(loden({"extract", sharedBake(), "-o", scratch / "flat.exr", "--domain", "flat"}).exit_code, 0);
   EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "flat2.png", "--domain", "flat"}).exit_code, 0);
   EXPECT_EQ(loden({"extract", sharedBake(), "-o", scratch / "normal.exr", "--map", "normal"}).exit_code, 0);
-  EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "weights.exr", "--map", "band0.weights"}).exit_code, 0);
+  EXPECT_EQ(
+      loden({"extract", sharedAsset(), "-o", scratch / "weights.exr", "--map", "band0.weights"}).exit_code,
+      0);
   for (const char* name : {"flat.exr", "flat2.png", "normal.exr", "weights.exr"})
     EXPECT_TRUE(std::filesystem::exists(scratch / name)) << name;
 }
@@ -298,18 +348,25 @@ TEST(Trace, SameSeed_SamePictureAtAnyThreadCount) {
   for (const std::string surface : {"plane", "cylinder", "sphere"}) {
     const std::vector<std::string> common{"--surface", surface, "--size", "40x30", "--spp", "4", "-q"};
     for (const std::string threads : {"1", "2"}) {
-      std::vector<std::string> arguments{"trace", "builtin:sponge", "-o", scratch / (surface + threads + ".exr"), "--threads", threads};
+      std::vector<std::string> arguments{
+          "trace", "builtin:sponge", "-o", scratch / (surface + threads + ".exr"), "--threads", threads};
       arguments.insert(arguments.end(), common.begin(), common.end());
       ASSERT_EQ(loden(arguments).exit_code, 0);
     }
-    EXPECT_EQ(loden({"compare", scratch / (surface + "1.exr"), scratch / (surface + "2.exr"), "--fail", "0", "-q"}).exit_code, 0);
+    EXPECT_EQ(
+        loden({"compare", scratch / (surface + "1.exr"), scratch / (surface + "2.exr"), "--fail", "0", "-q"})
+            .exit_code,
+        0);
   }
 }
 
 TEST(Trace, EveryNumberOfSamples_IsTaken) {
   const ScratchFolder scratch;
   for (const std::string samples : {"1", "2", "3", "4"})
-    ASSERT_EQ(loden({"trace", "builtin:pulli", "-o", scratch / (samples + ".exr"), "--size", "8x6", "--spp", samples, "-q"}).exit_code, 0);
+    ASSERT_EQ(loden({"trace", "builtin:pulli", "-o", scratch / (samples + ".exr"), "--size", "8x6", "--spp",
+                     samples, "-q"})
+                  .exit_code,
+              0);
   EXPECT_EQ(loden({"compare", scratch / "1.exr", scratch / "2.exr", "--fail", "0", "-q"}).exit_code, 7);
   EXPECT_EQ(loden({"compare", scratch / "3.exr", scratch / "4.exr", "--fail", "0", "-q"}).exit_code, 7);
 }
@@ -317,22 +374,31 @@ TEST(Trace, EveryNumberOfSamples_IsTaken) {
 TEST(Trace, CameraThatLooksAlongItsUp_IsUsage) {
   const ScratchFolder scratch;
   writeText(scratch / "camera.json", R"({"position": [0, 0, 1], "target": [0, 0, 0]})");
-  const ToolRun run = loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--size", "8x6", "--camera", scratch / "camera.json"});
+  const ToolRun run = loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--size", "8x6", "--camera",
+                             scratch / "camera.json"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("\"up\""), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));
   writeText(scratch / "camera.json", R"({"position": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0]})");
-  EXPECT_EQ(loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--size", "8x6", "--camera", scratch / "camera.json", "-q"}).exit_code, 0);
+  EXPECT_EQ(loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--size", "8x6", "--camera",
+                   scratch / "camera.json", "-q"})
+                .exit_code,
+            0);
 }
 
 #ifdef LODEN_WALK
 // From a centimetre above everything lies nearer than a room's near plane.
 TEST(Walk, CloseCamera_SeesWhatTraceSees) {
   const ScratchFolder scratch;
-  ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", scratch / "bake", "--size", "16", "--directions", "3x3", "--supersample", "1", "-q"}).exit_code, 0);
-  ASSERT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "a.loden", "--mode", "surface", "-q"}).exit_code, 0);
+  ASSERT_EQ(loden({"bake", "builtin:pulli", "-o", scratch / "bake", "--size", "16", "--directions", "3x3",
+                   "--supersample", "1", "-q"})
+                .exit_code,
+            0);
+  ASSERT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "a.loden", "--mode", "surface", "-q"}).exit_code,
+            0);
   writeText(scratch / "camera.json", R"({"position": [0, 0, 0.01], "target": [0, 0, 0], "up": [0, 1, 0]})");
-  const std::vector<std::string> common{"--surface", "plane", "--camera", scratch / "camera.json", "--light", "10,0", "--size", "32x32", "-q"};
+  const std::vector<std::string> common{
+      "--surface", "plane", "--camera", scratch / "camera.json", "--light", "10,0", "--size", "32x32", "-q"};
   std::vector<std::string> trace{"trace", "builtin:pulli", "-o", scratch / "truth.png", "--spp", "4"};
   std::vector<std::string> walk{"--asset", scratch / "a.loden", "--headless", "--capture", scratch / "walk"};
   trace.insert(trace.end(), common.begin(), common.end());
@@ -340,7 +406,8 @@ TEST(Walk, CloseCamera_SeesWhatTraceSees) {
   ASSERT_EQ(loden(trace).exit_code, 0);
   const ToolRun drawn = runTool(LODEN_WALK, walk);
   ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
-  const ToolRun run = loden({"compare", scratch / "truth.png", scratch / "walk/frame_0000.png", "--format", "json", "-q"});
+  const ToolRun run =
+      loden({"compare", scratch / "truth.png", scratch / "walk/frame_0000.png", "--format", "json", "-q"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const double psnr = nlohmann::json::parse(run.out, nullptr, false)["all"]["psnr_db"];
   EXPECT_GT(psnr, 15) << "a black picture is at some 10";
@@ -350,7 +417,8 @@ TEST(Walk, CloseCamera_SeesWhatTraceSees) {
 TEST(Trace, BadCamera_IsUsageThatShowsTheForm) {
   const ScratchFolder scratch;
   writeText(scratch / "camera.json", R"({"position": [0, 1]})");
-  const ToolRun run = loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--camera", scratch / "camera.json"});
+  const ToolRun run =
+      loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--camera", scratch / "camera.json"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("fov_degrees"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));

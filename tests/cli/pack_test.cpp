@@ -13,7 +13,8 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kExtension = "LODEN_materials_flat_btf";
 
 ToolRun packTo(const ScratchFolder& scratch, const std::string& out, std::vector<std::string> more = {}) {
-  std::vector<std::string> arguments{"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "-o", scratch / out};
+  std::vector<std::string> arguments{"pack",    scratch / "scene.gltf", "--material", "Cloth",
+                                     "--asset", sharedAsset(),          "-o",         scratch / out};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return loden(arguments);
 }
@@ -42,7 +43,8 @@ std::string decodedBase64(const std::string& text) {
   std::string bits, bytes;
   for (const char c : text.substr(0, text.find('=')))
     for (int bit = 5; bit >= 0; --bit) bits += alphabet.find(c) >> bit & 1 ? '1' : '0';
-  for (size_t i = 0; i + 8 <= bits.size(); i += 8) bytes += static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2));
+  for (size_t i = 0; i + 8 <= bits.size(); i += 8)
+    bytes += static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2));
   return bytes;
 }
 
@@ -84,7 +86,8 @@ TEST(Pack, Twice_SharesTheAsset) {
   const ScratchFolder scratch;
   writeScene(scratch.path());
   ASSERT_EQ(packTo(scratch, "a.gltf").exit_code, 0);
-  const ToolRun run = loden({"pack", scratch / "a.gltf", "--material", "Other", "--asset", scratch / "material.loden", "-o", scratch / "b.gltf"});
+  const ToolRun run = loden({"pack", scratch / "a.gltf", "--material", "Other", "--asset",
+                             scratch / "material.loden", "-o", scratch / "b.gltf"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json packed = Json::parse(fileText(scratch / "b.gltf"));
   EXPECT_EQ(packed["extensions"][kExtension]["assets"].size(), 1u);
@@ -97,7 +100,8 @@ TEST(Pack, EmbeddedInGlb_IsAlignedAndValid) {
   Json scene = Json::parse(fileText(scratch / "scene.gltf"));
   scene["buffers"][0].erase("uri");
   writeText(scratch / "scene.glb", glbOf(scene.dump(), fileText(scratch / "scene.bin")));
-  const ToolRun run = loden({"pack", scratch / "scene.glb", "--material", "Cloth", "--asset", sharedAsset(), "-o", scratch / "out.glb", "--embed"});
+  const ToolRun run = loden({"pack", scratch / "scene.glb", "--material", "Cloth", "--asset", sharedAsset(),
+                             "-o", scratch / "out.glb", "--embed"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const std::string bytes = fileText(scratch / "out.glb");
   EXPECT_EQ(u32At(bytes, 8), bytes.size());
@@ -111,7 +115,8 @@ TEST(Pack, EmbeddedInGlb_IsAlignedAndValid) {
   EXPECT_EQ(loden({"validate", scratch / "out.glb"}).exit_code, 0);
   // Fewer bytes than the first buffer declares: the asset is cut off, and with fewer still the mesh.
   for (const size_t left : {begin + 100, begin - 40}) {
-    writeText(scratch / "cut.glb", glbOf(packed.dump(), bytes.substr(28 + u32At(bytes, 12), left - 28 - u32At(bytes, 12))));
+    writeText(scratch / "cut.glb",
+              glbOf(packed.dump(), bytes.substr(28 + u32At(bytes, 12), left - 28 - u32At(bytes, 12))));
     expectIssue(scratch / "cut.glb", 5004);
   }
 }
@@ -123,7 +128,8 @@ TEST(Pack, EmbeddedInGltf_IsADataUriOfTheAssetsBytes) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "material.loden"));
   EXPECT_EQ(loden({"validate", scratch / "out.gltf"}).exit_code, 0);
   Json packed = Json::parse(fileText(scratch / "out.gltf"));
-  const Json view = packed["bufferViews"][packed["extensions"][kExtension]["assets"][0]["bufferView"].get<size_t>()];
+  const Json view =
+      packed["bufferViews"][packed["extensions"][kExtension]["assets"][0]["bufferView"].get<size_t>()];
   Json& uri = packed["buffers"][view["buffer"].get<size_t>()]["uri"];
   const std::string good = uri, head = "data:application/vnd.loden;base64,";
   ASSERT_TRUE(good.starts_with(head)) << good.substr(0, 80);
@@ -133,7 +139,8 @@ TEST(Pack, EmbeddedInGltf_IsADataUriOfTheAssetsBytes) {
   char& digit = wrong_digit[head.size() + (good.size() - head.size()) / 2];
   digit = digit == 'A' ? 'B' : 'A';
   no_digit[head.size() + 7] = '!';
-  for (const auto& [damaged, id] : {std::pair{wrong_digit, 2005}, {no_digit, 5001}, {good.substr(0, head.size() + 400), 5004}}) {
+  for (const auto& [damaged, id] :
+       {std::pair{wrong_digit, 2005}, {no_digit, 5001}, {good.substr(0, head.size() + 400), 5004}}) {
     uri = damaged;
     writeText(scratch / "bad.gltf", packed.dump());
     expectIssue(scratch / "bad.gltf", id);
@@ -157,7 +164,8 @@ TEST(Pack, SecondAssetOfTheSameName_GetsANameOfItsOwn) {
   ASSERT_EQ(packTo(scratch, "first.gltf").exit_code, 0);
   ASSERT_EQ(loden({"cook", sharedBake(), "-o", other, "--mode", "surface", "-q"}).exit_code, 0);
   for (int times = 0; times < 2; ++times) {
-    const ToolRun run = loden({"pack", scratch / "first.gltf", "--material", "Other", "--asset", other, "-o", scratch / "second.gltf"});
+    const ToolRun run = loden({"pack", scratch / "first.gltf", "--material", "Other", "--asset", other, "-o",
+                               scratch / "second.gltf"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
   }
   EXPECT_EQ(fileText(scratch / "material.loden"), fileText(sharedAsset()));
@@ -190,7 +198,8 @@ TEST(Pack, MembersOfAnotherType_AreIssuesWithTheirPlace) {
       {"\"name\": \"Cloth\"", "\"name\": 5", "materials[0].name"},
       {"\"name\": \"Cloth\"", "\"name\": \"Cloth\", \"extensions\": []", "materials[0].extensions"},
       {"\"scene\": 0", "\"extensions\": []", "extensions"},
-      {"\"scene\": 0", "\"extensions\": {\"LODEN_materials_flat_btf\": 3}", "extensions.LODEN_materials_flat_btf"},
+      {"\"scene\": 0", "\"extensions\": {\"LODEN_materials_flat_btf\": 3}",
+       "extensions.LODEN_materials_flat_btf"},
       {"\"uri\": \"scene.bin\"", "\"uri\": 5", "buffers[0].uri"},
       {"[\"VENDOR_thing\"]", "{}", "extensionsUsed"},
       {"\"scene\": 0", "\"images\": [4]", "images[0]"},
@@ -200,14 +209,16 @@ TEST(Pack, MembersOfAnotherType_AreIssuesWithTheirPlace) {
     std::string text = good;
     ASSERT_NE(text.find(from), std::string::npos);
     writeText(scratch / "scene.gltf", text.replace(text.find(from), from.size(), to));
-    const ToolRun pack = packTo(scratch, "far/out.gltf"), validate = loden({"validate", scratch / "scene.gltf", "--format", "json"});
+    const ToolRun pack = packTo(scratch, "far/out.gltf"),
+                  validate = loden({"validate", scratch / "scene.gltf", "--format", "json"});
     EXPECT_EQ(pack.exit_code, 3) << pack.err;
     EXPECT_NE(pack.err.find(place + ": "), std::string::npos) << pack.err;
     EXPECT_TRUE(std::filesystem::is_empty(scratch / "far"));
     EXPECT_EQ(validate.exit_code, 3) << validate.err;
     const Json issues = Json::parse(validate.out, nullptr, false)["issues"];
     bool found = false;
-    for (const Json& issue : issues) found |= issue["id"] == 5001 && issue.dump().find(place) != std::string::npos;
+    for (const Json& issue : issues)
+      found |= issue["id"] == 5001 && issue.dump().find(place) != std::string::npos;
     EXPECT_TRUE(found) << validate.out;
   }
 }
@@ -215,7 +226,8 @@ TEST(Pack, MembersOfAnotherType_AreIssuesWithTheirPlace) {
 TEST(Pack, UnknownMaterial_NamesTheKnownOnes) {
   const ScratchFolder scratch;
   writeScene(scratch.path());
-  const ToolRun run = loden({"pack", scratch / "scene.gltf", "--material", "Clot", "--asset", sharedAsset(), "-o", scratch / "out.gltf"});
+  const ToolRun run = loden({"pack", scratch / "scene.gltf", "--material", "Clot", "--asset", sharedAsset(),
+                             "-o", scratch / "out.gltf"});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("'Cloth'"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "out.gltf"));
@@ -241,7 +253,8 @@ TEST(Pack, BrokenAsset_IsRefused) {
   const ScratchFolder scratch;
   writeScene(scratch.path());
   writeText(scratch / "bad.loden", "no asset");
-  const ToolRun run = loden({"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", scratch / "bad.loden", "-o", scratch / "out.gltf"});
+  const ToolRun run = loden({"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset",
+                             scratch / "bad.loden", "-o", scratch / "out.gltf"});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_FALSE(std::filesystem::exists(scratch / "out.gltf"));
 }
@@ -276,7 +289,11 @@ TEST(Validate, HostileScenes_AreIssuesNotCrashes) {
       {replaced("\"extensionsUsed\"", "\"extensionsRequired\": [\"X\"], \"extensionsUsed\""), 5005},
   };
   // Required, but known: the runtime loads them.
-  writeText(scratch / "known.gltf", replaced("\"extensionsUsed\"", R"("extensionsRequired": ["KHR_lights_punctual", "KHR_mesh_quantization"], "extensionsUsed")"));
+  writeText(
+      scratch / "known.gltf",
+      replaced(
+          "\"extensionsUsed\"",
+          R"("extensionsRequired": ["KHR_lights_punctual", "KHR_mesh_quantization"], "extensionsUsed")"));
   const ToolRun known = loden({"validate", scratch / "known.gltf"});
   EXPECT_EQ(known.exit_code, 0) << known.out;
   for (const auto& [text, id] : cases) {

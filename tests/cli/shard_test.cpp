@@ -20,7 +20,8 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 }
 
 std::vector<std::string> bakeInto(const fs::path& folder) {
-  return {"bake", "builtin:sponge", "-o", folder, "--size", "32", "--directions", "6x6", "--vdim", "latlong:4x5", "--threads", "1", "-q"};
+  return {"bake", "builtin:sponge", "-o",          folder,      "--size", "32", "--directions",
+          "6x6",  "--vdim",         "latlong:4x5", "--threads", "1",      "-q"};
 }
 
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
@@ -43,11 +44,15 @@ TEST(Bake, ThreeShardsOneKilledAndResumed_GiveTheSameBytesAsOneRun) {
   const fs::path whole = scratch / "whole", shared = scratch / "shared";
   ASSERT_EQ(loden(bakeInto(whole)).exit_code, 0);
 
-  // All three start at once on an empty folder. The second is killed as soon as its first view (number 1) is done.
+  // All three start at once on an empty folder. The second is killed as soon as its first view (number 1) is
+  // done.
   const auto start = [&](const char* shard, const fs::path& kill_at) {
-    return std::async(std::launch::async, [=, &shared] { return loden(with(bakeInto(shared), {"--shard", shard}), kill_at, SIGKILL); });
+    return std::async(std::launch::async, [=, &shared] {
+      return loden(with(bakeInto(shared), {"--shard", shard}), kill_at, SIGKILL);
+    });
   };
-  auto first = start("0/3", {}), killed = start("1/3", shared / "visible/view_0001.png"), third = start("2/3", {});
+  auto first = start("0/3", {}), killed = start("1/3", shared / "visible/view_0001.png"),
+       third = start("2/3", {});
   EXPECT_EQ(killed.get().exit_code, 128 + SIGKILL);
   const ToolRun a = first.get(), c = third.get();
   EXPECT_EQ(a.exit_code, 0) << a.err;
@@ -65,7 +70,8 @@ TEST(Bake, ShardOfAFinishedBakeBegunAgain_IsUnfinishedUntilItsLastPass) {
   const auto bake = with(bakeInto(folder), {"--fill", "nearest-view"});
   ASSERT_EQ(loden(bake).exit_code, 0);
   const auto whole = contents(folder);
-  const ToolRun killed = runTool(LODEN_TOOL, with(bake, {"--shard", "0/2"}), folder / "bake.unfinished.json", SIGKILL);
+  const ToolRun killed =
+      runTool(LODEN_TOOL, with(bake, {"--shard", "0/2"}), folder / "bake.unfinished.json", SIGKILL);
   EXPECT_EQ(killed.exit_code, 128 + SIGKILL);
   EXPECT_FALSE(fs::exists(folder / "bake.json"));
   EXPECT_EQ(loden(with(bake, {"--shard", "0/2"})).exit_code, 0);
@@ -80,7 +86,9 @@ TEST(Bake, ShardsThatFinishAtOnce_GiveTheSameBytesAsOneRun) {
   const auto whole = contents(folder);
   std::vector<std::future<ToolRun>> runs;  // all find everything there, and go to the last pass
   for (const char* shard : {"0/3", "1/3", "2/3"})
-    runs.push_back(std::async(std::launch::async, [&, shard] { return loden(with(bake, {"--shard", shard, "--resume"})); }));
+    runs.push_back(std::async(std::launch::async, [&, shard] {
+      return loden(with(bake, {"--shard", shard, "--resume"}));
+    }));
   for (auto& run : runs) {
     const ToolRun ended = run.get();
     EXPECT_EQ(ended.exit_code, 0) << ended.err;

@@ -10,16 +10,22 @@
 namespace loden::test {
 namespace {
 
-const std::vector<std::string> kVerbs{"bake", "cook", "info", "validate", "extract", "compare", "pack", "trace", "study", "doctor"};
+const std::vector<std::string> kVerbs{"bake",    "cook", "info",  "validate", "extract",
+                                      "compare", "pack", "trace", "study",    "doctor"};
 
-TEST(Cli, NoVerb_IsUsage) { EXPECT_EQ(loden({}).exit_code, 1); }
+TEST(Cli, NoVerb_IsUsage) {
+  EXPECT_EQ(loden({}).exit_code, 1);
+}
 
-TEST(Cli, UnknownVerb_IsUsage) { EXPECT_EQ(loden({"frobnicate"}).exit_code, 1); }
+TEST(Cli, UnknownVerb_IsUsage) {
+  EXPECT_EQ(loden({"frobnicate"}).exit_code, 1);
+}
 
 TEST(Cli, Help_NamesEveryVerb) {
   const ToolRun run = loden({"--help"});
   EXPECT_EQ(run.exit_code, 0);
-  for (const std::string& verb : kVerbs) EXPECT_NE(run.out.find("\n  " + verb + " "), std::string::npos) << verb;
+  for (const std::string& verb : kVerbs)
+    EXPECT_NE(run.out.find("\n  " + verb + " "), std::string::npos) << verb;
 }
 
 TEST(Cli, EveryVerb_HasHelpAndRefusesUnknownOptions) {
@@ -120,7 +126,8 @@ TEST(Cli, BadValues_AreUsage) {
       {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--shard", "0/2"},
       {"bake", "builtin:pulli", "-o", out, "--layout", "bonn", "--maps", "flat,vdim"},
       {"compare", sharedBake(), sharedAsset(), "--fail", "nan"},
-      {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "-o", out + ".gltf", "--rotation", "inf"},
+      {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "-o", out + ".gltf",
+       "--rotation", "inf"},
       {"extract", sharedAsset(), "-o", out + ".exr", "--lambda", "inf"},
       {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "inf"},
       {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "nan"},
@@ -149,21 +156,27 @@ TEST(Cli, BadValues_AreUsage) {
 TEST(Cli, UnwritableOutput_IsIoError) {
   const ScratchFolder scratch;
   EXPECT_EQ(loden({"extract", sharedAsset(), "-o", scratch / "no/such/folder/out.exr"}).exit_code, 2);
-  EXPECT_EQ(loden({"cook", sharedBake(), "-o", scratch / "no/such/folder/out.loden", "--mode", "lod", "-q"}).exit_code, 2);
+  EXPECT_EQ(loden({"cook", sharedBake(), "-o", scratch / "no/such/folder/out.loden", "--mode", "lod", "-q"})
+                .exit_code,
+            2);
 }
 
 TEST(Cli, PictureThatIsNone_IsInvalidInput) {
   const ScratchFolder scratch;
-  const std::string none = scratch / "none.png", small = scratch / "small.png", large = scratch / "large.png", bake = scratch / "bake";
+  const std::string none = scratch / "none.png", small = scratch / "small.png", large = scratch / "large.png",
+                    bake = scratch / "bake";
   writeText(none, "no picture");
   EXPECT_EQ(loden({"compare", none, none}).exit_code, 3);
   for (const auto& [picture, size] : {std::pair{small, "4x4"}, {large, "8x4"}})
-    ASSERT_EQ(loden({"trace", "builtin:pulli", "-o", picture, "--size", size, "--spp", "1", "-q"}).exit_code, 0);
+    ASSERT_EQ(loden({"trace", "builtin:pulli", "-o", picture, "--size", size, "--spp", "1", "-q"}).exit_code,
+              0);
   EXPECT_EQ(loden({"compare", small, large}).exit_code, 3);
   std::filesystem::copy(sharedBake(), bake, std::filesystem::copy_options::recursive);
   const auto view = scratch / "bake/btf/view_0000.exr";
-  std::filesystem::copy_file(sharedBake() + "/visible/view_0000.png", view, std::filesystem::copy_options::overwrite_existing);
-  EXPECT_EQ(loden({"cook", bake, "-o", scratch / "m.loden", "--mode", "lod", "-q"}).exit_code, 3);  // of another size
+  std::filesystem::copy_file(sharedBake() + "/visible/view_0000.png", view,
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(loden({"cook", bake, "-o", scratch / "m.loden", "--mode", "lod", "-q"}).exit_code,
+            3);  // of another size
   writeText(view, "no picture");
   EXPECT_EQ(loden({"cook", bake, "-o", scratch / "m.loden", "--mode", "lod", "-q"}).exit_code, 3);
   std::filesystem::remove(view);
@@ -192,7 +205,8 @@ TEST(Cli, OutOfMemory_IsRuntimeErrorWithARemedy) {
   const ScratchFolder scratch;
   const std::string out = scratch / "out.exr";
   // The picture alone takes 4 GiB.
-  const std::string command = "ulimit -v 2000000; exec " + std::string(LODEN_TOOL) + " trace builtin:pulli --size 16384x16384 --spp 1 -q -o " + out;
+  const std::string command = "ulimit -v 2000000; exec " + std::string(LODEN_TOOL) +
+                              " trace builtin:pulli --size 16384x16384 --spp 1 -q -o " + out;
   const ToolRun run = runTool("/bin/sh", {"-c", command});
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_NE(run.err.find("memory"), std::string::npos) << run.err;
@@ -226,9 +240,11 @@ TEST(Cli, Json_IsCleanAndNamesItsSchema) {
   writeScene(scratch.path());
   const std::string asset = sharedAsset(), bake = sharedBake();
   const std::vector<std::vector<std::string>> runs{
-      {"bake", "builtin:pulli", "-o", scratch / "bake", "--size", "4", "--directions", "2x2", "--supersample", "1"},
+      {"bake", "builtin:pulli", "-o", scratch / "bake", "--size", "4", "--directions", "2x2", "--supersample",
+       "1"},
       {"cook", bake, "-o", scratch / "cooked.loden", "--mode", "lod"},
-      {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", asset, "-o", scratch / "packed.gltf"},
+      {"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", asset, "-o",
+       scratch / "packed.gltf"},
       {"info", asset},
       {"validate", asset},
       {"validate", scratch / "packed.gltf"},
@@ -251,7 +267,8 @@ TEST(Cli, Json_IsCleanAndNamesItsSchema) {
 
 TEST(Cli, Interrupt_Gives130AndNoFinishedLookingOutput) {
   const ScratchFolder scratch;
-  const ToolRun run = loden({"bake", "builtin:isba", "-o", scratch / "bake", "--size", "128", "-q"}, scratch / "bake");
+  const ToolRun run =
+      loden({"bake", "builtin:isba", "-o", scratch / "bake", "--size", "128", "-q"}, scratch / "bake");
   EXPECT_EQ(run.exit_code, 130) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "bake/bake.json"));
   EXPECT_EQ(loden({"cook", scratch / "bake", "-o", scratch / "m.loden", "-q"}).exit_code, 3);
@@ -260,14 +277,15 @@ TEST(Cli, Interrupt_Gives130AndNoFinishedLookingOutput) {
 TEST(Cli, InterruptOrTerminationAmidAFit_LeavesNoAssetAndNoTemporaryFile) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const ScratchFolder scratch, clock;
-    // Starting takes .3 s; a goal that no plan meets tries them all, which takes many seconds. A signal that comes
-    // earlier gives the same.
+    // Starting takes .3 s; a goal that no plan meets tries them all, which takes many seconds. A signal that
+    // comes earlier gives the same.
     const auto timer = std::async(std::launch::async, [&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(800));
       writeText(clock / "now", "");
     });
-    const ToolRun run = loden({"cook", sharedBake(), "-o", scratch / "m.loden", "--target-rmse", "1e-6", "-q"},
-                              clock / "now", signal);
+    const ToolRun run =
+        loden({"cook", sharedBake(), "-o", scratch / "m.loden", "--target-rmse", "1e-6", "-q"}, clock / "now",
+              signal);
     EXPECT_EQ(run.exit_code, 128 + signal) << run.err;
     EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
   }

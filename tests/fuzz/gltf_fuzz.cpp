@@ -1,5 +1,6 @@
-// Any bytes as a glTF scene, for the runtime's loader and for `loden validate`: no crash, no endless loop, no runaway
-// allocation; and what the loader accepts holds together, so that a renderer may index without asking again.
+// Any bytes as a glTF scene, for the runtime's loader and for `loden validate`: no crash, no endless loop, no
+// runaway allocation; and what the loader accepts holds together, so that a renderer may index without asking
+// again.
 #include <unistd.h>
 
 #include <cmath>
@@ -30,7 +31,8 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
   fs::path write(const std::uint8_t* data, std::size_t size) const {
     const fs::path path = folder_ / "input.gltf";
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
     return path;
   }
 
@@ -42,11 +44,14 @@ void require(bool holds) {
   if (!holds) std::abort();
 }
 
-bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool isFinite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 void checkScene(const loden::runtime::Scene& scene) {
   for (const auto& mesh : scene.meshes) {
-    for (const auto& vertex : mesh.vertices) require(isFinite(vertex.position) && std::isfinite(vertex.uv.x) && std::isfinite(vertex.uv.y));
+    for (const auto& vertex : mesh.vertices)
+      require(isFinite(vertex.position) && std::isfinite(vertex.uv.x) && std::isfinite(vertex.uv.y));
     require(mesh.indices.size() % 3 == 0);
     for (const uint32_t index : mesh.indices) require(index < mesh.vertices.size());
   }
@@ -56,8 +61,10 @@ void checkScene(const loden::runtime::Scene& scene) {
     for (int c = 0; c < 4; ++c) require(isFinite(instance.world_from_local[c]));
   }
   for (const auto& material : scene.materials)
-    require(!material.flat_btf || (material.flat_btf->asset >= 0 && size_t(material.flat_btf->asset) < scene.assets.size()));
-  for (const auto& light : scene.lights) require(isFinite(light.position) && isFinite(light.direction) && isFinite(light.intensity));
+    require(!material.flat_btf ||
+            (material.flat_btf->asset >= 0 && size_t(material.flat_btf->asset) < scene.assets.size()));
+  for (const auto& light : scene.lights)
+    require(isFinite(light.position) && isFinite(light.direction) && isFinite(light.intensity));
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ TEST_F(DeviceTest, HasWhatTheRuntimeNeeds) {
 TEST_F(DeviceTest, SendsDriverMessagesToTheLog) {
   tolerated = 1;
   glBindTexture(GL_TEXTURE_2D, 0x7ffffff);  // no such name
-  glDebugMessageInsert(GL_DEBUG_SOURCE_APPLICATION, GL_DEBUG_TYPE_ERROR, 7, GL_DEBUG_SEVERITY_HIGH, -1, "hello");
+  glDebugMessageInsert(GL_DEBUG_SOURCE_APPLICATION, GL_DEBUG_TYPE_ERROR, 7, GL_DEBUG_SEVERITY_HIGH, -1,
+                       "hello");
   ASSERT_FALSE(messages.empty());
   EXPECT_EQ(messages.back().text, "hello");
   EXPECT_EQ(messages.back().severity, Severity::kError);
@@ -80,7 +81,8 @@ TEST_F(GlObjects, CarryTheirLabel) {
 
 TEST_F(GlObjects, TargetsOfImpossibleSizesAreRefusedQuietly) {
   const int side = device->capabilities().max_texture_side;
-  for (const glm::ivec2 size : {glm::ivec2(0, 4), glm::ivec2(4, -1), glm::ivec2(side + 1, 1), glm::ivec2(1, 2147483647)}) {
+  for (const glm::ivec2 size :
+       {glm::ivec2(0, 4), glm::ivec2(4, -1), glm::ivec2(side + 1, 1), glm::ivec2(1, 2147483647)}) {
     const auto target = makeRenderTarget(size, ColorFormat::kSrgb8, "target");
     ASSERT_FALSE(target.ok()) << size.x << " x " << size.y;
     EXPECT_EQ(target.issue().id, issue_id::kMemory);
@@ -105,7 +107,8 @@ TEST_F(GlObjects, TargetsReadBackWhatWasCleared) {
     const std::vector<glm::vec4> pixels = readLinear(target);
     ASSERT_EQ(pixels.size(), 6u);
     // 8-bit sRGB near .5 has steps of .0074 in linear light.
-    for (int c = 0; c < 4; ++c) EXPECT_NEAR(pixels[5][c], color[c], format == ColorFormat::kSrgb8 ? 4e-3f : 1e-6f);
+    for (int c = 0; c < 4; ++c)
+      EXPECT_NEAR(pixels[5][c], color[c], format == ColorFormat::kSrgb8 ? 4e-3f : 1e-6f);
     if (format == ColorFormat::kSrgb8) {
       EXPECT_EQ(readCodes(target)[0], glm::u8vec4(188, 137, 255, 255));
     }

@@ -49,12 +49,14 @@ TEST_F(EngineManners, EveryPublicCallLeavesGlStateAsFound) {
   const GlState before = dumpGlState();
   ASSERT_GE(before.size(), 60u);
   const auto expectUnchanged = [&](const char* call) {
-    for (const std::string& name : differences(before, dumpGlState())) ADD_FAILURE() << call << " changed " << name;
+    for (const std::string& name : differences(before, dumpGlState()))
+      ADD_FAILURE() << call << " changed " << name;
   };
   auto system = makeMaterials();
   expectUnchanged("create");
   std::vector<MaterialId> ids;
-  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) ids.push_back(load(*system, material));
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()})
+    ids.push_back(load(*system, material));
   expectUnchanged("load");
   for (MaterialId id : ids) system->demand(id, 0);
   system->update(0.1f);
@@ -78,7 +80,9 @@ int countNames(IsName isName) {
   for (GLuint name = 1; name < 4096; ++name) count += isName(name) ? 1 : 0;
   return count;
 }
-int liveNames() { return countNames(glIsTexture) + countNames(glIsBuffer) + countNames(glIsProgram); }
+int liveNames() {
+  return countNames(glIsTexture) + countNames(glIsBuffer) + countNames(glIsProgram);
+}
 
 TEST_F(EngineManners, LeavesNoNamesBehind) {
   const int before = liveNames();
@@ -117,13 +121,16 @@ TEST_F(EngineManners, LabelsEveryObject) {
 TEST_F(EngineManners, SurvivesTwentyLostContexts) {
   auto system = makeMaterials();
   std::vector<MaterialId> ids;
-  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) ids.push_back(load(*system, material));
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()})
+    ids.push_back(load(*system, material));
   std::vector<std::vector<glm::vec4>> reference;
   int names = 0;
   for (int loss = 0; loss <= 20; ++loss) {
     for (MaterialId id : ids) system->demand(id, 0);
-    if (loss % 3 == 1) system->update(0.01f);  // lose it while parts are on their way
-    else system->finishLoading();
+    if (loss % 3 == 1)
+      system->update(0.01f);  // lose it while parts are on their way
+    else
+      system->finishLoading();
     if (loss % 3 != 1) {
       std::vector<std::vector<glm::vec4>> pictures;
       for (MaterialId id : ids) pictures.push_back(drawMaterial(*system, id, 0));

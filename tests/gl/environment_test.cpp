@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <fstream>
 
-#include "material/model/directions.h"
-#include "material/eval/evaluate.h"
 #include "material/base/issues.h"
+#include "material/eval/evaluate.h"
+#include "material/model/directions.h"
 #include "material/model/leading_part.h"
 #include "runtime/frame/frame.h"
 #include "runtime/scene/image_read.h"
@@ -53,7 +53,8 @@ TEST_F(EnvironmentTest, ReadsRadiancePanoramas) {
 
 TEST_F(EnvironmentTest, RefusesWhatIsNoPanorama) {
   EXPECT_EQ(readPanorama("/nonexistent.hdr").issue().id, issue_id::kCannotOpen);
-  const TemporaryFile empty(""), text("hello"), huge("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n"),
+  const TemporaryFile empty(""), text("hello"),
+      huge("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n"),
       cut("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n\x02\x02");
   for (const TemporaryFile* file : {&empty, &text, &huge}) EXPECT_FALSE(readPanorama(file->path()).ok());
   // Long enough for its extents, but the third line's runs end within the line.
@@ -81,7 +82,8 @@ struct Shown {
 TEST_F(EnvironmentTest, RendererShowsWhatTheEvaluatorSays) {
   Material lead = splitFusedMaterial();
   lead.bands[1] = leadOf(lead.bands[1]);
-  for (const Shown& c : {Shown{"one chunk", fusedMaterial(), fusedMaterial(), 6}, Shown{"whole", splitFusedMaterial(), splitFusedMaterial(), 5},
+  for (const Shown& c : {Shown{"one chunk", fusedMaterial(), fusedMaterial(), 6},
+                         Shown{"whole", splitFusedMaterial(), splitFusedMaterial(), 5},
                          Shown{"leading part", splitFusedMaterial(), lead, 6}}) {
     SCOPED_TRACE(c.what);
     const Material& material = c.stored;
@@ -97,8 +99,10 @@ TEST_F(EnvironmentTest, RendererShowsWhatTheEvaluatorSays) {
     settings.tone = ToneCurve::kClip;
     settings.lambda = c.lambda;
     settings.environment.emplace();
-    settings.environment->light = skyLight(glm::vec3(3, 2, 1), glm::vec3(0), glm::normalize(glm::vec3(0.5f, 0.2f, 1)));
-    settings.environment->suns = {{glm::normalize(glm::vec3(-0.4f, 0.3f, 0.8f)), glm::vec3(0.2f, 0.3f, 0.4f)}};
+    settings.environment->light =
+        skyLight(glm::vec3(3, 2, 1), glm::vec3(0), glm::normalize(glm::vec3(0.5f, 0.2f, 1)));
+    settings.environment->suns = {
+        {glm::normalize(glm::vec3(-0.4f, 0.3f, 0.8f)), glm::vec3(0.2f, 0.3f, 0.4f)}};
     Camera camera;
     camera.position = {0, -1, 1};
     camera.fov_degrees = 1;
@@ -116,7 +120,8 @@ TEST_F(EnvironmentTest, RendererShowsWhatTheEvaluatorSays) {
     const EnvironmentSun& sun = settings.environment->suns[0];
     const glm::vec3 around = evaluator.evaluateEnvironment(hit, light, wo);
     const glm::vec3 from_sun = evaluator.evaluate(hit, sun.direction, wo) * sun.irradiance;
-    const glm::vec3 expected = (glm::max(around, 0.0f) + glm::max(from_sun, 0.0f)) * (float(kPi) * material.value_scale);
+    const glm::vec3 expected =
+        (glm::max(around, 0.0f) + glm::max(from_sun, 0.0f)) * (float(kPi) * material.value_scale);
     EXPECT_GT(glm::length(expected), 0.05f);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(pixel[k], std::max(expected[k], 0.0f), 1e-3) << k;
   }

@@ -1,8 +1,9 @@
 // The frame renderer's engine manners: it leaves GL state alone and draws the same after a lost context.
+#include "runtime/frame/frame.h"
+
 #include <epoxy/gl.h>
 
 #include "material/base/issues.h"
-#include "runtime/frame/frame.h"
 #include "runtime/scene/mesh_analytic.h"
 #include "shaders/scene_shared.h"
 #include "tests/gl/gl_fixture.h"
@@ -40,7 +41,8 @@ TEST_F(FrameTest, EveryPublicCallLeavesGlStateAsFound) {
   disturbGlState();
   const GlState before = dumpGlState();
   const auto expectUnchanged = [&](const char* call) {
-    for (const std::string& name : differences(before, dumpGlState())) ADD_FAILURE() << call << " changed " << name;
+    for (const std::string& name : differences(before, dumpGlState()))
+      ADD_FAILURE() << call << " changed " << name;
   };
   auto materials = makeMaterials();
   ShaderLibrary shaders(*device, {});
@@ -97,7 +99,8 @@ TEST_F(FrameTest, DistanceRuleIsLogarithmOfDistanceWhateverTheTilt) {
   constexpr float kDistance = 6;
   const auto draw = [&](glm::vec3 from, LambdaRule rule, std::optional<float> lambda) {
     Camera camera;
-    camera.position = glm::normalize(from) * kDistance, camera.target = {0, 0, 0}, camera.up = {0, 1, 0}, camera.fov_degrees = 8;
+    camera.position = glm::normalize(from) * kDistance, camera.target = {0, 0, 0}, camera.up = {0, 1, 0},
+    camera.fov_degrees = 8;
     FrameSettings settings;
     settings.lambda_rule = rule, settings.lambda = lambda;
     (*renderer)->prepare(makeView(camera, target.size), settings);
@@ -110,17 +113,25 @@ TEST_F(FrameTest, DistanceRuleIsLogarithmOfDistanceWhateverTheTilt) {
     for (size_t i = 0; i < a.size(); ++i) sum += glm::distance(glm::vec3(a[i]), glm::vec3(b[i]));
     return sum / float(a.size());
   };
-  const float pixel = 2 * kDistance * std::tan(glm::radians(4.0f)) / 48 / float(AnalyticSurface::kTilePeriod);  // tile periods
+  const float pixel = 2 * kDistance * std::tan(glm::radians(4.0f)) / 48 /
+                      float(AnalyticSurface::kTilePeriod);  // tile periods
   const float lambda = std::log2(pixel * float(material.side));
   ASSERT_GT(lambda, 0.5f);
   ASSERT_LT(lambda, 2.0f) << "the levels behind look too much alike";
   for (const glm::vec3 from : {glm::vec3(0, 0, 1), glm::vec3(0, -3, 1)}) {
-    const auto by_distance = draw(from, LambdaRule::kDistance, {}), asked_for = draw(from, LambdaRule::kFootprint, lambda);
-    EXPECT_LT(difference(by_distance, asked_for), from.y == 0 ? 1e-3f : 0.02f) << "pixels lie 5 % of the distance apart where the plane is tilted";
-    EXPECT_GT(difference(by_distance, draw(from, LambdaRule::kFootprint, lambda + 1)), 5e-3f) << "the picture shows the level";
+    const auto by_distance = draw(from, LambdaRule::kDistance, {}),
+               asked_for = draw(from, LambdaRule::kFootprint, lambda);
+    EXPECT_LT(difference(by_distance, asked_for), from.y == 0 ? 1e-3f : 0.02f)
+        << "pixels lie 5 % of the distance apart where the plane is tilted";
+    EXPECT_GT(difference(by_distance, draw(from, LambdaRule::kFootprint, lambda + 1)), 5e-3f)
+        << "the picture shows the level";
   }
-  EXPECT_LT(difference(draw({0, 0, 1}, LambdaRule::kDistance, {}), draw({0, 0, 1}, LambdaRule::kFootprint, {})), 1e-3f);
-  EXPECT_GT(difference(draw({0, -3, 1}, LambdaRule::kDistance, {}), draw({0, -3, 1}, LambdaRule::kFootprint, {})), 5e-3f);
+  EXPECT_LT(
+      difference(draw({0, 0, 1}, LambdaRule::kDistance, {}), draw({0, 0, 1}, LambdaRule::kFootprint, {})),
+      1e-3f);
+  EXPECT_GT(
+      difference(draw({0, -3, 1}, LambdaRule::kDistance, {}), draw({0, -3, 1}, LambdaRule::kFootprint, {})),
+      5e-3f);
 }
 
 TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {
@@ -129,9 +140,10 @@ TEST_F(FrameTest, DrawsTheSameWhateverStateItFinds) {
   auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
   ASSERT_TRUE(renderer.ok());
   const std::vector<glm::vec4> expected = picture(**renderer, *materials);
-  for (const GLenum state : {GL_DEPTH_CLAMP, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART,
-                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE7,
-                             GL_SAMPLE_MASK, GL_SAMPLE_COVERAGE, GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) {
+  for (const GLenum state :
+       {GL_DEPTH_CLAMP, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART,
+        GL_SAMPLE_ALPHA_TO_COVERAGE, GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE7,
+        GL_SAMPLE_MASK, GL_SAMPLE_COVERAGE, GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST}) {
     glEnable(state);
     glLogicOp(GL_INVERT);
     glPrimitiveRestartIndex(1);
@@ -195,7 +207,8 @@ TEST_F(FrameTest, SaysWhereATargetCannotBe) {
   const Status huge = (*renderer)->draw({target.framebuffer.name(), {1 << 20, 1 << 20}});
   ASSERT_FALSE(huge.ok());
   EXPECT_EQ(huge.issue().id, issue_id::kMemory);
-  while (glGetError() != GL_NO_ERROR) {}
+  while (glGetError() != GL_NO_ERROR) {
+  }
   messages.clear();  // the driver says so too
   EXPECT_TRUE((*renderer)->draw({target.framebuffer.name(), target.size}).ok()) << "and goes on";
 }

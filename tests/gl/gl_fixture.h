@@ -32,8 +32,8 @@ class GlTest : public ::testing::Test {
 
 std::shared_ptr<const ByteSource> assetSource(const Material& material);
 
-// A picture of one material through the shader library alone: x runs over the target, lambda, light and view are
-// fixed; linear RGB, [height][width]. GL state is left changed.
+// A picture of one material through the shader library alone: x runs over the target, lambda, light and view
+// are fixed; linear RGB, [height][width]. GL state is left changed.
 std::vector<glm::vec4> drawMaterial(runtime::MaterialSystem& system, runtime::MaterialId id, float lambda,
                                     glm::ivec2 size = {32, 32});
 

@@ -10,48 +10,128 @@ struct Named {
   const char* name;
   int count = 1;
 };
-#define NAMED(x) {x, #x}
-#define NAMED_N(x, n) {x, #x, n}
+#define NAMED(x) \
+  { x, #x }
+#define NAMED_N(x, n) \
+  { x, #x, n }
 
-const Named kSwitches[] = {
-    NAMED(GL_BLEND), NAMED(GL_CULL_FACE), NAMED(GL_DEPTH_TEST), NAMED(GL_SCISSOR_TEST), NAMED(GL_STENCIL_TEST),
-    NAMED(GL_FRAMEBUFFER_SRGB), NAMED(GL_POLYGON_OFFSET_FILL), NAMED(GL_POLYGON_OFFSET_LINE), NAMED(GL_DEPTH_CLAMP),
-    NAMED(GL_RASTERIZER_DISCARD), NAMED(GL_MULTISAMPLE), NAMED(GL_DITHER), NAMED(GL_SAMPLE_ALPHA_TO_COVERAGE),
-    NAMED(GL_SAMPLE_ALPHA_TO_ONE), NAMED(GL_SAMPLE_COVERAGE), NAMED(GL_PRIMITIVE_RESTART), NAMED(GL_COLOR_LOGIC_OP),
-    NAMED(GL_TEXTURE_CUBE_MAP_SEAMLESS), NAMED(GL_PROGRAM_POINT_SIZE), NAMED(GL_LINE_SMOOTH), NAMED(GL_POLYGON_SMOOTH),
-    NAMED(GL_SAMPLE_MASK), NAMED(GL_SAMPLE_SHADING), NAMED(GL_PRIMITIVE_RESTART_FIXED_INDEX), NAMED(GL_CLIP_DISTANCE0),
-    NAMED(GL_CLIP_DISTANCE1), NAMED(GL_CLIP_DISTANCE2), NAMED(GL_CLIP_DISTANCE3), NAMED(GL_CLIP_DISTANCE4),
-    NAMED(GL_CLIP_DISTANCE5), NAMED(GL_CLIP_DISTANCE6), NAMED(GL_CLIP_DISTANCE7)};
+const Named kSwitches[] = {NAMED(GL_BLEND),
+                           NAMED(GL_CULL_FACE),
+                           NAMED(GL_DEPTH_TEST),
+                           NAMED(GL_SCISSOR_TEST),
+                           NAMED(GL_STENCIL_TEST),
+                           NAMED(GL_FRAMEBUFFER_SRGB),
+                           NAMED(GL_POLYGON_OFFSET_FILL),
+                           NAMED(GL_POLYGON_OFFSET_LINE),
+                           NAMED(GL_DEPTH_CLAMP),
+                           NAMED(GL_RASTERIZER_DISCARD),
+                           NAMED(GL_MULTISAMPLE),
+                           NAMED(GL_DITHER),
+                           NAMED(GL_SAMPLE_ALPHA_TO_COVERAGE),
+                           NAMED(GL_SAMPLE_ALPHA_TO_ONE),
+                           NAMED(GL_SAMPLE_COVERAGE),
+                           NAMED(GL_PRIMITIVE_RESTART),
+                           NAMED(GL_COLOR_LOGIC_OP),
+                           NAMED(GL_TEXTURE_CUBE_MAP_SEAMLESS),
+                           NAMED(GL_PROGRAM_POINT_SIZE),
+                           NAMED(GL_LINE_SMOOTH),
+                           NAMED(GL_POLYGON_SMOOTH),
+                           NAMED(GL_SAMPLE_MASK),
+                           NAMED(GL_SAMPLE_SHADING),
+                           NAMED(GL_PRIMITIVE_RESTART_FIXED_INDEX),
+                           NAMED(GL_CLIP_DISTANCE0),
+                           NAMED(GL_CLIP_DISTANCE1),
+                           NAMED(GL_CLIP_DISTANCE2),
+                           NAMED(GL_CLIP_DISTANCE3),
+                           NAMED(GL_CLIP_DISTANCE4),
+                           NAMED(GL_CLIP_DISTANCE5),
+                           NAMED(GL_CLIP_DISTANCE6),
+                           NAMED(GL_CLIP_DISTANCE7)};
 
-const Named kValues[] = {
-    NAMED(GL_ACTIVE_TEXTURE), NAMED(GL_CURRENT_PROGRAM), NAMED(GL_PROGRAM_PIPELINE_BINDING),
-    NAMED(GL_VERTEX_ARRAY_BINDING), NAMED(GL_ARRAY_BUFFER_BINDING), NAMED(GL_ELEMENT_ARRAY_BUFFER_BINDING),
-    NAMED(GL_UNIFORM_BUFFER_BINDING), NAMED(GL_SHADER_STORAGE_BUFFER_BINDING), NAMED(GL_COPY_READ_BUFFER_BINDING),
-    NAMED(GL_COPY_WRITE_BUFFER_BINDING), NAMED(GL_DRAW_INDIRECT_BUFFER_BINDING), NAMED(GL_PIXEL_PACK_BUFFER_BINDING),
-    NAMED(GL_PIXEL_UNPACK_BUFFER_BINDING), NAMED(GL_TRANSFORM_FEEDBACK_BINDING), NAMED(GL_DRAW_FRAMEBUFFER_BINDING),
-    NAMED(GL_READ_FRAMEBUFFER_BINDING), NAMED(GL_RENDERBUFFER_BINDING), NAMED(GL_CLIP_ORIGIN),
-    NAMED(GL_CLIP_DEPTH_MODE), NAMED(GL_MIN_SAMPLE_SHADING_VALUE), NAMED_N(GL_VIEWPORT, 4),
-    NAMED_N(GL_SCISSOR_BOX, 4), NAMED_N(GL_COLOR_WRITEMASK, 4), NAMED_N(GL_COLOR_CLEAR_VALUE, 4),
-    NAMED_N(GL_BLEND_COLOR, 4), NAMED_N(GL_DEPTH_RANGE, 2), NAMED(GL_DEPTH_CLEAR_VALUE), NAMED(GL_DEPTH_FUNC),
-    NAMED(GL_DEPTH_WRITEMASK), NAMED(GL_BLEND_SRC_RGB), NAMED(GL_BLEND_DST_RGB), NAMED(GL_BLEND_SRC_ALPHA),
-    NAMED(GL_BLEND_DST_ALPHA), NAMED(GL_BLEND_EQUATION_RGB), NAMED(GL_BLEND_EQUATION_ALPHA), NAMED(GL_STENCIL_FUNC),
-    NAMED(GL_STENCIL_REF), NAMED(GL_STENCIL_VALUE_MASK), NAMED(GL_STENCIL_FAIL), NAMED(GL_STENCIL_PASS_DEPTH_FAIL),
-    NAMED(GL_STENCIL_PASS_DEPTH_PASS), NAMED(GL_STENCIL_WRITEMASK), NAMED(GL_STENCIL_BACK_FUNC),
-    NAMED(GL_STENCIL_BACK_REF), NAMED(GL_STENCIL_BACK_VALUE_MASK), NAMED(GL_STENCIL_BACK_FAIL),
-    NAMED(GL_STENCIL_BACK_WRITEMASK), NAMED(GL_STENCIL_CLEAR_VALUE), NAMED(GL_CULL_FACE_MODE), NAMED(GL_FRONT_FACE),
-    NAMED(GL_POLYGON_MODE), NAMED(GL_POLYGON_OFFSET_FACTOR), NAMED(GL_POLYGON_OFFSET_UNITS), NAMED(GL_LINE_WIDTH),
-    NAMED(GL_POINT_SIZE), NAMED(GL_LOGIC_OP_MODE), NAMED(GL_PRIMITIVE_RESTART_INDEX), NAMED(GL_PROVOKING_VERTEX),
-    NAMED(GL_SAMPLE_COVERAGE_VALUE), NAMED(GL_UNPACK_ALIGNMENT), NAMED(GL_UNPACK_ROW_LENGTH),
-    NAMED(GL_UNPACK_IMAGE_HEIGHT), NAMED(GL_UNPACK_SKIP_PIXELS), NAMED(GL_UNPACK_SKIP_ROWS),
-    NAMED(GL_UNPACK_SKIP_IMAGES), NAMED(GL_UNPACK_SWAP_BYTES), NAMED(GL_PACK_ALIGNMENT), NAMED(GL_PACK_ROW_LENGTH),
-    NAMED(GL_PACK_IMAGE_HEIGHT), NAMED(GL_PACK_SKIP_PIXELS), NAMED(GL_PACK_SKIP_ROWS), NAMED(GL_PACK_SKIP_IMAGES),
-    NAMED(GL_PACK_SWAP_BYTES), NAMED(GL_DRAW_BUFFER), NAMED(GL_READ_BUFFER), NAMED(GL_DEBUG_GROUP_STACK_DEPTH)};
+const Named kValues[] = {NAMED(GL_ACTIVE_TEXTURE),
+                         NAMED(GL_CURRENT_PROGRAM),
+                         NAMED(GL_PROGRAM_PIPELINE_BINDING),
+                         NAMED(GL_VERTEX_ARRAY_BINDING),
+                         NAMED(GL_ARRAY_BUFFER_BINDING),
+                         NAMED(GL_ELEMENT_ARRAY_BUFFER_BINDING),
+                         NAMED(GL_UNIFORM_BUFFER_BINDING),
+                         NAMED(GL_SHADER_STORAGE_BUFFER_BINDING),
+                         NAMED(GL_COPY_READ_BUFFER_BINDING),
+                         NAMED(GL_COPY_WRITE_BUFFER_BINDING),
+                         NAMED(GL_DRAW_INDIRECT_BUFFER_BINDING),
+                         NAMED(GL_PIXEL_PACK_BUFFER_BINDING),
+                         NAMED(GL_PIXEL_UNPACK_BUFFER_BINDING),
+                         NAMED(GL_TRANSFORM_FEEDBACK_BINDING),
+                         NAMED(GL_DRAW_FRAMEBUFFER_BINDING),
+                         NAMED(GL_READ_FRAMEBUFFER_BINDING),
+                         NAMED(GL_RENDERBUFFER_BINDING),
+                         NAMED(GL_CLIP_ORIGIN),
+                         NAMED(GL_CLIP_DEPTH_MODE),
+                         NAMED(GL_MIN_SAMPLE_SHADING_VALUE),
+                         NAMED_N(GL_VIEWPORT, 4),
+                         NAMED_N(GL_SCISSOR_BOX, 4),
+                         NAMED_N(GL_COLOR_WRITEMASK, 4),
+                         NAMED_N(GL_COLOR_CLEAR_VALUE, 4),
+                         NAMED_N(GL_BLEND_COLOR, 4),
+                         NAMED_N(GL_DEPTH_RANGE, 2),
+                         NAMED(GL_DEPTH_CLEAR_VALUE),
+                         NAMED(GL_DEPTH_FUNC),
+                         NAMED(GL_DEPTH_WRITEMASK),
+                         NAMED(GL_BLEND_SRC_RGB),
+                         NAMED(GL_BLEND_DST_RGB),
+                         NAMED(GL_BLEND_SRC_ALPHA),
+                         NAMED(GL_BLEND_DST_ALPHA),
+                         NAMED(GL_BLEND_EQUATION_RGB),
+                         NAMED(GL_BLEND_EQUATION_ALPHA),
+                         NAMED(GL_STENCIL_FUNC),
+                         NAMED(GL_STENCIL_REF),
+                         NAMED(GL_STENCIL_VALUE_MASK),
+                         NAMED(GL_STENCIL_FAIL),
+                         NAMED(GL_STENCIL_PASS_DEPTH_FAIL),
+                         NAMED(GL_STENCIL_PASS_DEPTH_PASS),
+                         NAMED(GL_STENCIL_WRITEMASK),
+                         NAMED(GL_STENCIL_BACK_FUNC),
+                         NAMED(GL_STENCIL_BACK_REF),
+                         NAMED(GL_STENCIL_BACK_VALUE_MASK),
+                         NAMED(GL_STENCIL_BACK_FAIL),
+                         NAMED(GL_STENCIL_BACK_WRITEMASK),
+                         NAMED(GL_STENCIL_CLEAR_VALUE),
+                         NAMED(GL_CULL_FACE_MODE),
+                         NAMED(GL_FRONT_FACE),
+                         NAMED(GL_POLYGON_MODE),
+                         NAMED(GL_POLYGON_OFFSET_FACTOR),
+                         NAMED(GL_POLYGON_OFFSET_UNITS),
+                         NAMED(GL_LINE_WIDTH),
+                         NAMED(GL_POINT_SIZE),
+                         NAMED(GL_LOGIC_OP_MODE),
+                         NAMED(GL_PRIMITIVE_RESTART_INDEX),
+                         NAMED(GL_PROVOKING_VERTEX),
+                         NAMED(GL_SAMPLE_COVERAGE_VALUE),
+                         NAMED(GL_UNPACK_ALIGNMENT),
+                         NAMED(GL_UNPACK_ROW_LENGTH),
+                         NAMED(GL_UNPACK_IMAGE_HEIGHT),
+                         NAMED(GL_UNPACK_SKIP_PIXELS),
+                         NAMED(GL_UNPACK_SKIP_ROWS),
+                         NAMED(GL_UNPACK_SKIP_IMAGES),
+                         NAMED(GL_UNPACK_SWAP_BYTES),
+                         NAMED(GL_PACK_ALIGNMENT),
+                         NAMED(GL_PACK_ROW_LENGTH),
+                         NAMED(GL_PACK_IMAGE_HEIGHT),
+                         NAMED(GL_PACK_SKIP_PIXELS),
+                         NAMED(GL_PACK_SKIP_ROWS),
+                         NAMED(GL_PACK_SKIP_IMAGES),
+                         NAMED(GL_PACK_SWAP_BYTES),
+                         NAMED(GL_DRAW_BUFFER),
+                         NAMED(GL_READ_BUFFER),
+                         NAMED(GL_DEBUG_GROUP_STACK_DEPTH)};
 
 // What is kept per draw buffer, and per viewport.
-const Named kBufferValues[] = {NAMED_N(GL_COLOR_WRITEMASK, 4), NAMED(GL_BLEND_SRC_RGB), NAMED(GL_BLEND_DST_RGB),
-                               NAMED(GL_BLEND_SRC_ALPHA), NAMED(GL_BLEND_DST_ALPHA), NAMED(GL_BLEND_EQUATION_RGB),
+const Named kBufferValues[] = {NAMED_N(GL_COLOR_WRITEMASK, 4), NAMED(GL_BLEND_SRC_RGB),
+                               NAMED(GL_BLEND_DST_RGB),        NAMED(GL_BLEND_SRC_ALPHA),
+                               NAMED(GL_BLEND_DST_ALPHA),      NAMED(GL_BLEND_EQUATION_RGB),
                                NAMED(GL_BLEND_EQUATION_ALPHA)};
-const Named kViewportValues[] = {NAMED_N(GL_VIEWPORT, 4), NAMED_N(GL_SCISSOR_BOX, 4), NAMED_N(GL_DEPTH_RANGE, 2)};
+const Named kViewportValues[] = {NAMED_N(GL_VIEWPORT, 4), NAMED_N(GL_SCISSOR_BOX, 4),
+                                 NAMED_N(GL_DEPTH_RANGE, 2)};
 constexpr GLuint kIndices = 8;  // every GL 4.5 has as many draw buffers, and more viewports
 
 const Named kUnitBindings[] = {NAMED(GL_TEXTURE_BINDING_2D), NAMED(GL_TEXTURE_BINDING_2D_ARRAY),
@@ -113,7 +193,8 @@ void disturbBuffers() {
   GLuint buffers[6], array = 0, framebuffer = 0;
   glCreateBuffers(6, buffers);
   for (GLuint buffer : buffers) glNamedBufferStorage(buffer, 4096, nullptr, 0);
-  for (GLuint i = 0; i < kUniformBindings; ++i) glBindBufferRange(GL_UNIFORM_BUFFER, i, buffers[0], 256 * i, 256);
+  for (GLuint i = 0; i < kUniformBindings; ++i)
+    glBindBufferRange(GL_UNIFORM_BUFFER, i, buffers[0], 256 * i, 256);
   glBindBuffer(GL_UNIFORM_BUFFER, buffers[1]);
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffers[2]);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, buffers[3]);
@@ -129,10 +210,10 @@ void disturbBuffers() {
 }
 
 void disturbFixedFunction() {
-  for (GLenum name : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP, GL_CULL_FACE,
-                      GL_PRIMITIVE_RESTART, GL_PRIMITIVE_RESTART_FIXED_INDEX, GL_SAMPLE_ALPHA_TO_COVERAGE,
-                      GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_SAMPLE_SHADING, GL_POLYGON_SMOOTH, GL_CLIP_DISTANCE0,
-                      GL_CLIP_DISTANCE3, GL_CLIP_DISTANCE7})
+  for (GLenum name : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP,
+                      GL_CULL_FACE, GL_PRIMITIVE_RESTART, GL_PRIMITIVE_RESTART_FIXED_INDEX,
+                      GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_SAMPLE_SHADING,
+                      GL_POLYGON_SMOOTH, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE3, GL_CLIP_DISTANCE7})
     glEnable(name);
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glSampleMaski(0, 2);

@@ -10,8 +10,8 @@
 #include "material/model/leading_part.h"
 #include "runtime/gl/material/gl_texture.h"
 #include "runtime/stream/material_data.h"
-#include "runtime/stream/streaming.h"
 #include "runtime/stream/material_parts.h"
+#include "runtime/stream/streaming.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
 
@@ -30,9 +30,10 @@ Material largeFused(uint32_t seed) {
   material.theta_max = 1.3f;
   for (Band& band : material.bands) {
     const bool flat = band.domain == Domain::kFlat;
-    band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, flat ? 64 : 32, flat ? 64 : 32,
-                                band.layers(), flat ? 1 : 6, seed);
-    band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * band.quads(), 1, seed + 9);
+    band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, flat ? 64 : 32,
+                                flat ? 64 : 32, band.layers(), flat ? 1 : 6, seed);
+    band.table =
+        noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * band.quads(), 1, seed + 9);
   }
   return material;
 }
@@ -78,7 +79,8 @@ class BreakableSource final : public ByteSource {
   explicit BreakableSource(std::shared_ptr<const ByteSource> source) : source_(std::move(source)) {}
   uint64_t size() const override { return source_->size(); }
   Status read(uint64_t offset, std::span<std::byte> into) const override {
-    if (mode == kVanished) return Issue{issue_id::kCannotRead, Severity::kError, "breakable", "the file is gone"};
+    if (mode == kVanished)
+      return Issue{issue_id::kCannotRead, Severity::kError, "breakable", "the file is gone"};
     if (Status status = source_->read(offset, into); !status) return status;
     if (mode == kDamaged && !into.empty()) into[into.size() / 2] ^= std::byte{0x40};
     return {};
@@ -104,7 +106,8 @@ TEST_F(MaterialSystemTest, LoadsWhatIsDemandedAndNothingElse) {
   EXPECT_FLOAT_EQ(system->residentLambda(id), 2);
   system->demand(id, 0);
   system->finishLoading();
-  EXPECT_EQ(system->stats().parts_resident, 4) << "and geometry with a small atlas, the flat band, the full atlas";
+  EXPECT_EQ(system->stats().parts_resident, 4)
+      << "and geometry with a small atlas, the flat band, the full atlas";
   EXPECT_EQ(system->residentLambda(id), 0);
   EXPECT_GT(system->stats().resident_bytes, coarse);
   EXPECT_GT(system->stats().read_bytes - header, read);
@@ -228,7 +231,8 @@ TEST_F(MaterialSystemTest, StaysWithinBudgetAndUploadBoundOnEveryFrame) {
     auto system = makeMaterials({.budget_bytes = budget, .upload_bytes_per_frame = 20 << 10});
     std::vector<MaterialId> ids;
     for (uint32_t i = 0; i < 6; ++i) ids.push_back(load(*system, largeFused(10 + i)));
-    // At least forty frames for each; on a slow machine as many more as it takes until the first part arrives.
+    // At least forty frames for each; on a slow machine as many more as it takes until the first part
+    // arrives.
     for (int frame = 0; frame < 240 || (system->stats().uploaded_bytes == 0 && frame < 1000000); ++frame) {
       system->demand(ids[size_t(frame / 40) % ids.size()], 0);
       system->update(1.0f / 60);
@@ -258,7 +262,8 @@ TEST_F(MaterialSystemTest, FadesInWithoutAPop) {
       if (system->residentLambda(id) == 0) break;
     }
     EXPECT_EQ(system->residentLambda(id), 0);
-    EXPECT_LT(largest, 0.2 * meanDifference(first, before)) << material.name << ": one frame brings more than a fifth of the whole change";
+    EXPECT_LT(largest, 0.2 * meanDifference(first, before))
+        << material.name << ": one frame brings more than a fifth of the whole change";
   }
 }
 
@@ -305,7 +310,8 @@ TEST_F(MaterialSystemTest, BuildsTheAtlasThatTheAssetAsksForUnlessToldOtherwise)
   EXPECT_TRUE(drawMaterial(*by_asset, a, 0) == drawMaterial(*by_caller, b, 0));
   auto usual = makeMaterials();
   load(*usual, largeFused(6));
-  EXPECT_EQ(usual->stats().total_bytes - by_asset->stats().total_bytes, vdimDepthBytes(largeFused(6).atlas) - vdimDepthBytes(asking.atlas));
+  EXPECT_EQ(usual->stats().total_bytes - by_asset->stats().total_bytes,
+            vdimDepthBytes(largeFused(6).atlas) - vdimDepthBytes(asking.atlas));
 }
 
 TEST_F(MaterialSystemTest, FallsBackToTheSmallAtlasWhenTheFullOneGoes) {
@@ -366,7 +372,8 @@ TEST_F(MaterialSystemTest, ShowsTheTailOfSurfaceMapsUntilTheyAreThere) {
   split.stored_vdim.reset();
   Material unsplit = split;
   unsplit.surface->tail_mip = 0;
-  auto whole = makeMaterials(), system = makeMaterials(), tight = makeMaterials({.budget_bytes = gpuBytes(tailOf(*split.surface)) + 10});
+  auto whole = makeMaterials(), system = makeMaterials(),
+       tight = makeMaterials({.budget_bytes = gpuBytes(tailOf(*split.surface)) + 10});
   const MaterialId a = load(*whole, unsplit), b = load(*system, split), c = load(*tight, split);
   whole->demand(a, 0);
   whole->finishLoading();
@@ -395,7 +402,9 @@ TEST_F(MaterialSystemTest, ReadsEveryPartOnce) {
     for (size_t b = 0; b < material.bands.size(); ++b) stored += file->bandStoredBytes(int(b));
     if (material.surface) stored += file->surfaceStoredBytes();
     EXPECT_EQ(system->stats().read_bytes - opened, stored)
-        << material.name << ": the full atlas is built from the image that the small one was built from, the whole from its leading part";
+        << material.name
+        << ": the full atlas is built from the image that the small one was built from, the whole from its "
+           "leading part";
   }
 }
 
@@ -412,10 +421,12 @@ TEST_F(MaterialSystemTest, KeepsTheCoarseLevelIfTheFileBreaks) {
     system->demand(*id, 0);
     system->finishLoading();
     EXPECT_EQ(system->residentLambda(*id), 2);
-    EXPECT_EQ(system->stats().failed_parts, 2u) << "geometry and flat band were both asked for, the full atlas was not";
+    EXPECT_EQ(system->stats().failed_parts, 2u)
+        << "geometry and flat band were both asked for, the full atlas was not";
     ASSERT_EQ(messages.size(), 2u);
     EXPECT_EQ(messages[0].severity, Severity::kWarning);
-    EXPECT_EQ(messages[0].id, mode == BreakableSource::kVanished ? issue_id::kCannotRead : issue_id::kChunkChecksum);
+    EXPECT_EQ(messages[0].id,
+              mode == BreakableSource::kVanished ? issue_id::kCannotRead : issue_id::kChunkChecksum);
     EXPECT_GT(drawMaterial(*system, *id, 0)[0].y, 0);
   }
   messages.clear();
@@ -430,7 +441,8 @@ TEST_F(MaterialSystemTest, NoticesThatTheDriverHasNoMemory) {
   part.texels.depth = gl.max_array_layers;  // terabytes
   part.texels.mips = 1;
   EXPECT_FALSE(allocateTexture(part, "huge"));
-  while (glGetError() != GL_NO_ERROR) {}
+  while (glGetError() != GL_NO_ERROR) {
+  }
   messages.clear();  // the driver may say so too
   part.texels.width = part.texels.height = part.texels.depth = 4;
   EXPECT_TRUE(allocateTexture(part, "small"));

@@ -87,13 +87,15 @@ LocalSurface<float> localSurface(const Way& way) {
   return {glm::mat2(0.3f, 0.05f, 0.05f, 0.2f), glm::mat2(1.2f, 0.1f, -0.05f, 0.9f)};
 }
 std::string matrixText(const glm::mat2& m) {
-  return std::to_string(m[0].x) + ", " + std::to_string(m[0].y) + ", " + std::to_string(m[1].x) + ", " + std::to_string(m[1].y);
+  return std::to_string(m[0].x) + ", " + std::to_string(m[0].y) + ", " + std::to_string(m[1].x) + ", " +
+         std::to_string(m[1].y);
 }
 
 // Some light from all around, as the shader takes it.
-constexpr glm::vec4 kEnvironment[9] = {{0.3f, -0.2f, 0.4f, 0.9f},  {0.2f, -0.3f, 0.1f, 0}, {0.15f, -0.2f, 0.05f, 0},
-                                       {0.1f, 0.2f, 0.5f, 0.8f},   {0.1f, 0.1f, -0.2f, 0}, {-0.1f, 0.1f, 0.2f, 0},
-                                       {-0.4f, 0.1f, 0.2f, 0.6f}, {-0.2f, 0.3f, 0.0f, 0}, {0.05f, 0.2f, -0.1f, 0}};
+constexpr glm::vec4 kEnvironment[9] = {
+    {0.3f, -0.2f, 0.4f, 0.9f}, {0.2f, -0.3f, 0.1f, 0}, {0.15f, -0.2f, 0.05f, 0},
+    {0.1f, 0.2f, 0.5f, 0.8f},  {0.1f, 0.1f, -0.2f, 0}, {-0.1f, 0.1f, 0.2f, 0},
+    {-0.4f, 0.1f, 0.2f, 0.6f}, {-0.2f, 0.3f, 0.0f, 0}, {0.05f, 0.2f, -0.1f, 0}};
 
 HemisphereLight hemisphereOfEnvironment(const glm::mat3& frame) {
   EnvironmentLight light;
@@ -137,8 +139,10 @@ GlTexture uploadSamples(const std::vector<Sample>& samples) {
 }
 
 // Value of every sample, and the texture fetches of its lookup, as the shader computes and counts them.
-std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector<Sample>& samples, const Way& way) {
-  auto device = Device::create({.debug = true, .log = [](const Issue& issue) { ADD_FAILURE() << issue.where << ": " << issue.text; }});
+std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector<Sample>& samples,
+                                     const Way& way) {
+  auto device = Device::create(
+      {.debug = true, .log = [](const Issue& issue) { ADD_FAILURE() << issue.where << ": " << issue.text; }});
   EXPECT_TRUE(device.ok());
   MaterialSystemOptions options;
   options.lookup = way.lookup;
@@ -159,7 +163,8 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   if (way.environment) defines.push_back("ENVIRONMENT 1");
   defines.push_back("CURVATURE " + matrixText(localSurface(way).curvature));
   defines.push_back("X_FROM_TANGENT " + matrixText(localSurface(way).x_from_tangent));
-  const auto program = compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
+  const auto program =
+      compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
   EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
   const RenderTarget target = *makeRenderTarget({kSide, kSide}, ColorFormat::kLinear32, "parity");
   const GlTexture texture = uploadSamples(samples);
@@ -184,7 +189,8 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
 glm::vec3 evaluateAt(const Evaluator& evaluator, const Sample& s, const Way& way) {
   const Hit<float> hit = evaluator.findHit(s.x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way));
   if (hit.missed) return glm::vec3(kMissed);
-  if (way.environment) return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(hitFrame(hit, glm::mat3(1))), s.wo);
+  if (way.environment)
+    return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(hitFrame(hit, glm::mat3(1))), s.wo);
   return evaluator.evaluate(hit, s.wi, s.wo);
 }
 
@@ -252,7 +258,8 @@ Bake bakeSmall(const std::string& name) {
   return {std::move(*baked), folder};
 }
 
-Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset, importer::Shadows shadows) {
+Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset,
+                importer::Shadows shadows) {
   importer::CookOptions options;
   options.shadows = shadows;
   options.mode = mode;
@@ -278,23 +285,36 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
     importer::Shadows shadows = importer::Shadows::kJoint;
   };
   using importer::Shadows;
-  for (const Case& c : {Case{"surface", Mode::kSurface, Preset::kGame, {}},
-                        Case{"surface as published", Mode::kSurface, Preset::kSeed, {Lookup::kPaper}},
-                        Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, {Lookup::kFast}},
-                        Case{"surface, faded", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}},
-                        Case{"surface, curved", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, false, true}},
-                        Case{"lod as published", Mode::kLod, Preset::kSeed, {Lookup::kNone}},
-                        Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, {Lookup::kNone}},
-                        Case{"lod without the cosine", Mode::kLod, Preset::kGame, {Lookup::kNone}, false},
-                        Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
-                        Case{"fused, curved", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFaded, false, true}},
-                        Case{"surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
-                        Case{"fused, curved, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true, true}},
-                        Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
-                        Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
-                        Case{"fused, shadows apart", Mode::kFused, Preset::kGame, {}, true, Shadows::kSplit},
-                        Case{"fused, shadows apart, environment", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFull, true}, true, Shadows::kSplit},
-                        Case{"fused, faded", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}}}) {
+  for (const Case& c :
+       {Case{"surface", Mode::kSurface, Preset::kGame, {}},
+        Case{"surface as published", Mode::kSurface, Preset::kSeed, {Lookup::kPaper}},
+        Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, {Lookup::kFast}},
+        Case{"surface, faded", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}},
+        Case{"surface, curved",
+             Mode::kSurface,
+             Preset::kGame,
+             {Lookup::kDefault, Parallax::kFull, false, true}},
+        Case{"lod as published", Mode::kLod, Preset::kSeed, {Lookup::kNone}},
+        Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, {Lookup::kNone}},
+        Case{"lod without the cosine", Mode::kLod, Preset::kGame, {Lookup::kNone}, false},
+        Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
+        Case{"fused, curved", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFaded, false, true}},
+        Case{
+            "surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
+        Case{"fused, curved, environment",
+             Mode::kFused,
+             Preset::kGame,
+             {Lookup::kDefault, Parallax::kFull, true, true}},
+        Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
+        Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
+        Case{"fused, shadows apart", Mode::kFused, Preset::kGame, {}, true, Shadows::kSplit},
+        Case{"fused, shadows apart, environment",
+             Mode::kFused,
+             Preset::kGame,
+             {Lookup::kFast, Parallax::kFull, true},
+             true,
+             Shadows::kSplit},
+        Case{"fused, faded", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}}}) {
     SCOPED_TRACE(c.name);
     Material material = cooked(baked.output, c.mode, c.preset, c.shadows);
     material.cosine_included = c.cosine_included;

@@ -117,7 +117,8 @@ class Relief : public GlTest {
 };
 
 TEST_F(Relief, DoesNotShadowItself) {
-  for (const glm::vec3& to_sun : {glm::vec3(0.02f, 0.01f, 1), glm::vec3(1, 0.2f, 1), glm::vec3(-1, -1, 0.6f)}) {
+  for (const glm::vec3& to_sun :
+       {glm::vec3(0.02f, 0.01f, 1), glm::vec3(1, 0.2f, 1), glm::vec3(-1, -1, 0.6f)}) {
     const Scene scene = sceneUnder(to_sun);
     const auto lit = picture(scene, false, 0), shadowed = picture(scene, true, 0);
     float off = 0;
@@ -145,17 +146,20 @@ TEST_F(Relief, ShowsAndLightsWhatLiesInAValley) {
   EXPECT_GT(range(covered, {0.25f * kPeriod - 0.01f, -0.01f}, {0.25f * kPeriod + 0.01f, 0.01f}).first, 0.5f);
 }
 
-// The pre-pass meets the relief where the shading pass does: nothing hides itself, and what is hidden stays so.
+// The pre-pass meets the relief where the shading pass does: nothing hides itself, and what is hidden stays
+// so.
 TEST_F(Relief, LooksTheSameWithoutADepthPrePass) {
   Scene scene = sceneUnder({0.3f, 0.2f, 1});
   addChip(scene, {0.75f * kPeriod, 0, -0.5f * kDepth}, {0.08f, 0.01f});  // partly under ridges
-  const auto with = picture(scene, true, 0.75f * kPeriod), without = picture(scene, true, 0.75f * kPeriod, false);
+  const auto with = picture(scene, true, 0.75f * kPeriod),
+             without = picture(scene, true, 0.75f * kPeriod, false);
   float off = 0;
   for (size_t i = 0; i < with.size(); ++i) off = std::max(off, glm::distance(with[i], without[i]));
   EXPECT_LT(off, 1e-5f);
 }
 
-// The same ridges as a fused material: the relief is seen as far as the flat band is, which arrives after the geometry.
+// The same ridges as a fused material: the relief is seen as far as the flat band is, which arrives after the
+// geometry.
 Material fusedRidges() {
   const Material surface = ridges();
   Material material = fusedMaterial();
@@ -200,7 +204,8 @@ TEST_F(Relief, KeepsTheShadowMapUpToDateWhileStreaming) {
       (*renderer)->prepare(makeView(camera, target.size), settings);
       materials->update(0.1f);
     }
-    resting = materials->stats().parts_resident > 2 && materials->reliefRevision() == revision ? resting + 1 : 0;
+    resting =
+        materials->stats().parts_resident > 2 && materials->reliefRevision() == revision ? resting + 1 : 0;
     revision = materials->reliefRevision();
     std::this_thread::sleep_for(std::chrono::microseconds(300));
   }
@@ -217,8 +222,8 @@ TEST_F(Relief, KeepsTheShadowMapUpToDateWhileStreaming) {
   EXPECT_TRUE(readLinear(target) == streamed) << "what was drawn while parts arrived is out of date";
 }
 
-// At silhouettes of a curved relief some of a fragment's evaluations miss it, and the others show it: what stands behind
-// is neither hidden by nothing nor shown through.
+// At silhouettes of a curved relief some of a fragment's evaluations miss it, and the others show it: what
+// stands behind is neither hidden by nothing nor shown through.
 TEST_F(Relief, LeavesNoHolesAtCurvedSilhouettes) {
   for (const float side : {0.44f, 0.5f}) {
     Scene scene = sceneUnder({1, 0.1f, 0.6f}, SurfaceKind::kSphere);
@@ -248,10 +253,13 @@ TEST_F(Relief, TakesTheShadowOfWhatStandsAboveIt) {
     const float margin = 0.006f;  // two texels of the shadow map, two pixels
     // Within its own ridge or valley, which is .06 m wide.
     const float inside = half - margin;
-    EXPECT_LT(range(pixels, {shadow - inside, -inside}, {shadow + inside, inside}).second, 0.02f) << "a gap, z = " << z;
+    EXPECT_LT(range(pixels, {shadow - inside, -inside}, {shadow + inside, inside}).second, 0.02f)
+        << "a gap, z = " << z;
     const float beside = half + margin;
-    EXPECT_GT(range(pixels, {shadow - 0.01f, beside}, {shadow + 0.01f, beside + 0.02f}).first, 0.5f) << "too long, z = " << z;
-    EXPECT_GT(range(pixels, {shadow - half - margin - 0.003f, -0.01f}, {shadow - half - margin, 0.01f}).first, 0.5f)
+    EXPECT_GT(range(pixels, {shadow - 0.01f, beside}, {shadow + 0.01f, beside + 0.02f}).first, 0.5f)
+        << "too long, z = " << z;
+    EXPECT_GT(range(pixels, {shadow - half - margin - 0.003f, -0.01f}, {shadow - half - margin, 0.01f}).first,
+              0.5f)
         << "too wide, z = " << z;
   }
 }

@@ -82,7 +82,8 @@ TEST_F(SceneUvTest, MirroredUvsMirrorThePicture) {
   ASSERT_EQ(mirrored.meshes[0].vertices[0].tangent, glm::vec4(-1, 0, 0, -1));
   const auto expected = draw(plain);
   auto actual = draw(mirrored);
-  for (int y = 0; y < kSize.y; ++y) std::reverse(actual.begin() + y * kSize.x, actual.begin() + (y + 1) * kSize.x);
+  for (int y = 0; y < kSize.y; ++y)
+    std::reverse(actual.begin() + y * kSize.x, actual.begin() + (y + 1) * kSize.x);
   EXPECT_LT(meanDifference(expected, actual), 1e-3);
 }
 
@@ -92,12 +93,13 @@ TEST_F(SceneUvTest, MirroringTransformsMirrorThePicture) {
   mirrored.instances[0].world_from_local[0][0] = -1;
   const auto expected = draw(plain);
   auto actual = draw(mirrored);
-  for (int y = 0; y < kSize.y; ++y) std::reverse(actual.begin() + y * kSize.x, actual.begin() + (y + 1) * kSize.x);
+  for (int y = 0; y < kSize.y; ++y)
+    std::reverse(actual.begin() + y * kSize.x, actual.begin() + (y + 1) * kSize.x);
   EXPECT_LT(meanDifference(expected, actual), 1e-3);
 }
 
-// A mesh squeezed by its transform is the squeezed mesh. That rays follow stretched coordinates at all is what
-// VdimLookup.FollowsStretchedCoordinates and the parity of curved materials show.
+// A mesh squeezed by its transform is the squeezed mesh. That rays follow stretched coordinates at all is
+// what VdimLookup.FollowsStretchedCoordinates and the parity of curved materials show.
 TEST_F(SceneUvTest, NonUniformScaleEqualsStretchedUvs) {
   Scene scaled = planeScene({0.3f, 0.2f, 1}), stretched = planeScene({0.3f, 0.2f, 1});
   scaled.instances[0].world_from_local[0][0] = 0.5f;
@@ -116,7 +118,8 @@ TEST_F(SceneUvTest, RotationAndScaleMatchRotatedUvs) {
   Scene baked = planeScene({0.3f, 0.2f, 1});
   for (Vertex& vertex : baked.meshes[0].vertices) {
     const glm::vec2 uv = 2.0f * vertex.uv;
-    vertex.uv = {std::cos(0.5f) * uv.x - std::sin(0.5f) * uv.y, std::sin(0.5f) * uv.x + std::cos(0.5f) * uv.y};
+    vertex.uv = {std::cos(0.5f) * uv.x - std::sin(0.5f) * uv.y,
+                 std::sin(0.5f) * uv.x + std::cos(0.5f) * uv.y};
   }
   computeTangents(baked.meshes[0]);
   EXPECT_LT(meanDifference(draw(bound), draw(baked)), 1e-3);

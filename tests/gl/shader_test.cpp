@@ -28,10 +28,13 @@ struct ScratchFolder {
   ~ScratchFolder() { fs::remove_all(path); }
 };
 
-const ProgramRow& forwardRow() { return *findProgramRow("scene_forward"); }
+const ProgramRow& forwardRow() {
+  return *findProgramRow("scene_forward");
+}
 
 TEST(ShaderAssembly, NamesFileAndLineOfAnError) {
-  Result<AssembledShader> shader = assembleShader("entry", "int a;\n#include \"loden_shared.h\"\nint b;\n", {});
+  Result<AssembledShader> shader =
+      assembleShader("entry", "int a;\n#include \"loden_shared.h\"\nint b;\n", {});
   ASSERT_TRUE(shader.ok());
   EXPECT_EQ(shader->files, (std::vector<std::string>{"entry", "loden_shared.h"}));
   EXPECT_NE(shader->text.find("#line 3 0\nint b;"), std::string::npos);
@@ -83,7 +86,8 @@ TEST_F(ShaderLibraryTest, CompilesWhatIsAskedForOnce) {
 TEST_F(ShaderLibraryTest, RefusesWhatNoRowAllows) {
   ShaderLibrary library(*device, {});
   const MaterialVariant too_many{MaterialVariant::Kind::kBands, LODEN_MAX_BANDS + 1, Lookup::kNone};
-  for (const Result<uint32_t>& program : {library.program("no_such_row", {}), library.program("scene_forward", too_many)}) {
+  for (const Result<uint32_t>& program :
+       {library.program("no_such_row", {}), library.program("scene_forward", too_many)}) {
     ASSERT_FALSE(program.ok());
     EXPECT_EQ(program.issue().id, issue_id::kShader);
   }
@@ -92,7 +96,8 @@ TEST_F(ShaderLibraryTest, RefusesWhatNoRowAllows) {
 TEST_F(ShaderLibraryTest, ReportsCompileErrorsWithFileAndLine) {
   tolerated = 1;  // Mesa also reports it as a debug message
   const ShaderText vertex{"good.vert", "void main() { gl_Position = vec4(0); }"};
-  const ShaderText fragment{"bad.frag", "#include \"loden_shared.h\"\nout vec4 c;\nvoid main() { c = nonsense; }"};
+  const ShaderText fragment{"bad.frag",
+                            "#include \"loden_shared.h\"\nout vec4 c;\nvoid main() { c = nonsense; }"};
   const Result<GlProgram> program = compileProgram(vertex, fragment, {}, "bad");
   ASSERT_FALSE(program.ok());
   EXPECT_NE(program.issue().text.find("bad.frag:3"), std::string::npos) << program.issue().text;
@@ -113,7 +118,10 @@ TEST_F(ShaderLibraryTest, TakesProgramsFromItsCacheAndIgnoresDamage) {
   const fs::path file = fs::directory_iterator(folder.path)->path();
   const uintmax_t size = fs::file_size(file);
   for (const uintmax_t at : {uintmax_t(0), uintmax_t(9), size / 2, size - 1}) {
-    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(std::streamoff(at)).put('\x5a').put('\x3c');
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
+        .seekp(std::streamoff(at))
+        .put('\x5a')
+        .put('\x3c');
     ShaderLibrary damaged(*device, {folder.path});
     ASSERT_TRUE(damaged.program("scene_forward", variant).ok());
     EXPECT_EQ(damaged.stats().compiled, 1) << "byte " << at;
@@ -135,22 +143,50 @@ TEST_F(SharedLayout, IsWhatTheDriverSays) {
   const Result<uint32_t> program = library.program("scene_forward", variant);
   ASSERT_TRUE(program.ok()) << program.issue().text;
   const size_t band1 = offsetof(LodenMaterialData, bands) + sizeof(LodenBandData);
-#define LODEN_MEMBER(name) {#name, offsetof(LodenMaterialData, name)}
-#define LODEN_BAND_MEMBER(name, suffix) {"bands[1]." #name suffix, band1 + offsetof(LodenBandData, name)}
+#define LODEN_MEMBER(name) \
+  { #name, offsetof(LodenMaterialData, name) }
+#define LODEN_BAND_MEMBER(name, suffix) \
+  { "bands[1]." #name suffix, band1 + offsetof(LodenBandData, name) }
   const Member members[] = {
-      LODEN_MEMBER(bits), LODEN_MEMBER(geometry_resident), LODEN_MEMBER(atlas_texels), LODEN_MEMBER(atlas_directions),
-      LODEN_MEMBER(mean), LODEN_MEMBER(mean_chroma), LODEN_MEMBER(environment_unit), LODEN_MEMBER(theta_max),
-      LODEN_MEMBER(geometry_range), LODEN_MEMBER(geometry_side), LODEN_MEMBER(paper_range), LODEN_MEMBER(paper_size),
-      LODEN_MEMBER(value_scale), LODEN_MEMBER(side), LODEN_MEMBER(lambda_max), LODEN_MEMBER(resident_lambda),
-      LODEN_MEMBER(specular_scale), LODEN_MEMBER(surface_lambda),
+      LODEN_MEMBER(bits),
+      LODEN_MEMBER(geometry_resident),
+      LODEN_MEMBER(atlas_texels),
+      LODEN_MEMBER(atlas_directions),
+      LODEN_MEMBER(mean),
+      LODEN_MEMBER(mean_chroma),
+      LODEN_MEMBER(environment_unit),
+      LODEN_MEMBER(theta_max),
+      LODEN_MEMBER(geometry_range),
+      LODEN_MEMBER(geometry_side),
+      LODEN_MEMBER(paper_range),
+      LODEN_MEMBER(paper_size),
+      LODEN_MEMBER(value_scale),
+      LODEN_MEMBER(side),
+      LODEN_MEMBER(lambda_max),
+      LODEN_MEMBER(resident_lambda),
+      LODEN_MEMBER(specular_scale),
+      LODEN_MEMBER(surface_lambda),
       {"environment_mean[0]", offsetof(LodenMaterialData, environment_mean)},
-      {"bands[0].window", offsetof(LodenMaterialData, bands)}, LODEN_BAND_MEMBER(window, ""),
-      LODEN_BAND_MEMBER(lambda_first, ""), LODEN_BAND_MEMBER(last_mip, ""), LODEN_BAND_MEMBER(side, ""),
-      LODEN_BAND_MEMBER(per_table_depth, ""), LODEN_BAND_MEMBER(grid, ""), LODEN_BAND_MEMBER(per_grid, ""),
-      LODEN_BAND_MEMBER(bits, ""), LODEN_BAND_MEMBER(y_quads, ""), LODEN_BAND_MEMBER(chroma_quads, ""),
-      LODEN_BAND_MEMBER(ratio_layer, ""), LODEN_BAND_MEMBER(light_thetas, ""), LODEN_BAND_MEMBER(light_phis, ""),
-      LODEN_BAND_MEMBER(light_quads, ""), LODEN_BAND_MEMBER(light_layer, ""), LODEN_BAND_MEMBER(quad_scale, "[0]"),
-      LODEN_BAND_MEMBER(ratio_scale, ""), LODEN_BAND_MEMBER(rest_share, ""), LODEN_BAND_MEMBER(first_rest, ""),
+      {"bands[0].window", offsetof(LodenMaterialData, bands)},
+      LODEN_BAND_MEMBER(window, ""),
+      LODEN_BAND_MEMBER(lambda_first, ""),
+      LODEN_BAND_MEMBER(last_mip, ""),
+      LODEN_BAND_MEMBER(side, ""),
+      LODEN_BAND_MEMBER(per_table_depth, ""),
+      LODEN_BAND_MEMBER(grid, ""),
+      LODEN_BAND_MEMBER(per_grid, ""),
+      LODEN_BAND_MEMBER(bits, ""),
+      LODEN_BAND_MEMBER(y_quads, ""),
+      LODEN_BAND_MEMBER(chroma_quads, ""),
+      LODEN_BAND_MEMBER(ratio_layer, ""),
+      LODEN_BAND_MEMBER(light_thetas, ""),
+      LODEN_BAND_MEMBER(light_phis, ""),
+      LODEN_BAND_MEMBER(light_quads, ""),
+      LODEN_BAND_MEMBER(light_layer, ""),
+      LODEN_BAND_MEMBER(quad_scale, "[0]"),
+      LODEN_BAND_MEMBER(ratio_scale, ""),
+      LODEN_BAND_MEMBER(rest_share, ""),
+      LODEN_BAND_MEMBER(first_rest, ""),
   };
 #undef LODEN_MEMBER
 #undef LODEN_BAND_MEMBER

@@ -29,7 +29,8 @@ class DisplayServer {
     ::close(ends[1]);
     char number[16] = {};
     number[0] = ':';
-    if (::read(ends[0], number + 1, sizeof number - 2) > 0) name_.assign(number, 1 + std::strspn(number + 1, "0123456789"));
+    if (::read(ends[0], number + 1, sizeof number - 2) > 0)
+      name_.assign(number, 1 + std::strspn(number + 1, "0123456789"));
     ::close(ends[0]);
   }
   ~DisplayServer() {
@@ -66,7 +67,8 @@ TEST(Window, OpensDrawsAndCloses) {
     EXPECT_EQ((*device)->size(), glm::ivec2(320, 200));
     EXPECT_NE((*device)->nativeWindow(), nullptr);
     GLint depth_bits = 0;
-    glGetNamedFramebufferAttachmentParameteriv(0, GL_DEPTH, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE, &depth_bits);
+    glGetNamedFramebufferAttachmentParameteriv(0, GL_DEPTH, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE,
+                                               &depth_bits);
     EXPECT_GE(depth_bits, 24) << "the renderer draws into the window where no multisampling is asked for";
     glClearColor(0.5f, 0, 1, 1);
     glClear(GL_COLOR_BUFFER_BIT);

@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
       grid.height = (count + columns - 1) / columns * (height + kGap) - kGap;
       grid.pixels.assign(size_t(grid.width) * grid.height, glm::vec4(1));
     }
-    if (picture->width != width || picture->height != height) return fail(std::string(argv[3 + i]) + ": another size");
+    if (picture->width != width || picture->height != height)
+      return fail(std::string(argv[3 + i]) + ": another size");
     paste(*picture, grid, i % columns * (width + kGap), i / columns * (height + kGap));
   }
   const auto written = loden::importer::writePicture(grid, argv[1]);

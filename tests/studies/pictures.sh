@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Ray traced truth beside what loden_walk draws in the three modes, near, far and magnified (eight pixels a texel).
-# usage: pictures.sh BIN OUT TILE SURFACE.loden LOD.loden FUSED.loden
-# Writes OUT/TILE-<camera>-<mode>.png, OUT/TILE.png (rows near, far; columns truth, surface, lod, fused), one such row
-# in OUT/TILE-magnified.png, and prints one Markdown table row per mode and camera.
+# Ray traced truth beside what loden_walk draws in the three modes, near, far and magnified (eight pixels a
+# texel). usage: pictures.sh BIN OUT TILE SURFACE.loden LOD.loden FUSED.loden
+# Writes OUT/TILE-<camera>-<mode>.png, OUT/TILE.png (rows near, far; columns truth, surface, lod, fused), one
+# such row in OUT/TILE-magnified.png, and prints one Markdown table row per mode and camera.
 set -euo pipefail
 readonly bin=$1 out=$2 tile=$3
 readonly -A assets=([surface]=$4 [lod]=$5 [fused]=$6)
@@ -18,7 +18,8 @@ for camera in near far magnified; do
   pictures+=("$truth")
   for mode in surface lod fused; do
     capture=$out/$tile-$camera-$mode
-    "$bin/loden_walk" --asset "${assets[$mode]}" "${common[@]}" --headless --frames 1 --capture "$capture" -q >&2
+    "$bin/loden_walk" --asset "${assets[$mode]}" "${common[@]}" --headless --frames 1 --capture \
+      "$capture" -q >&2
     picture=$(find "$capture" -name '*.png' -print -quit)
     pictures+=("$picture")
     difference=$("$bin/loden" -q compare "$truth" "$picture")

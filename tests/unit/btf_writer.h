@@ -35,7 +35,8 @@ class BtfWriter {
     for (int i = 0; i < 3; ++i) f32(0);
     for (int i = 0; i < 9; ++i) f32(i % 4 == 0 ? 1.f : 0.f);
     for (int c = 0; c < 3; ++c) {
-      factors(scalar_size, rows(), [&](size_t row, size_t t) { return btf_.values[row * btf_.texels() + flipped(t)][c]; });
+      factors(scalar_size, rows(),
+              [&](size_t row, size_t t) { return btf_.values[row * btf_.texels() + flipped(t)][c]; });
     }
     return bytes_;
   }
@@ -97,9 +98,12 @@ class BtfWriter {
   void number(double value, uint8_t scalar_size) {
     const auto single = static_cast<float>(value);
     const uint16_t half = halfFromFloat(single);
-    if (scalar_size == 2) bytes_.append(reinterpret_cast<const char*>(&half), 2);
-    else if (scalar_size == 4) f32(single);
-    else bytes_.append(reinterpret_cast<const char*>(&value), 8);
+    if (scalar_size == 2)
+      bytes_.append(reinterpret_cast<const char*>(&half), 2);
+    else if (scalar_size == 4)
+      f32(single);
+    else
+      bytes_.append(reinterpret_cast<const char*>(&value), 8);
   }
 
   void begin(const char* signature, uint32_t version) {

@@ -4,24 +4,29 @@
 
 #include <cmath>
 
+#include "importer/btf/packed_lod.h"
+#include "importer/cook/meta.h"
+#include "importer/cook/modes.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/flat_fit.h"
 #include "importer/fit/measure.h"
-#include "importer/cook/meta.h"
-#include "importer/cook/modes.h"
 #include "importer/fit/ratio_fit.h"
-#include "importer/btf/packed_lod.h"
-#include "material/model/color.h"
 #include "material/eval/evaluate.h"
+#include "material/model/color.h"
 #include "tests/unit/fit_synthetic.h"
 
 namespace loden::importer {
 namespace {
 
-double wave(glm::dvec2 p) { return 0.5 + 0.2 * std::sin(2 * kPi * p.x) + 0.15 * std::cos(2 * kPi * (p.x + 2 * p.y)); }
+double wave(glm::dvec2 p) {
+  return 0.5 + 0.2 * std::sin(2 * kPi * p.x) + 0.15 * std::cos(2 * kPi * (p.x + 2 * p.y));
+}
 
-// A Lambertian picture under the surface, seen with parallax: rank 1 in the flat domain, of high rank on the plane.
-glm::dvec2 parallax(glm::dvec2 x, const glm::dvec3& wo) { return x - 0.08 * glm::dvec2(wo) / wo.z; }
+// A Lambertian picture under the surface, seen with parallax: rank 1 in the flat domain, of high rank on the
+// plane.
+glm::dvec2 parallax(glm::dvec2 x, const glm::dvec3& wo) {
+  return x - 0.08 * glm::dvec2(wo) / wo.z;
+}
 SyntheticSource parallaxSource(int side) {
   return {side, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
             return glm::dvec3(0.9, 0.7, 0.4) * wave(parallax(x, wo)) * wi.z;
@@ -46,16 +51,19 @@ TEST(CookLod, SeedHasThePublishedLayout) {
     tables += band.table.data.size();
     weights += band.weights.data.size();
   }
-  EXPECT_EQ(tables, 48u * 81 * 81 * 3);              // 48 p q (lambda_max + 1)
-  EXPECT_EQ(weights, 64u * 16 * 16);                 // 64 r^2
-  for (double lambda : {0.0, 0.3, 1.0, 1.5, 2.0})    // w_k = clamp(1 - lambda + k, 0, 1)
+  EXPECT_EQ(tables, 48u * 81 * 81 * 3);            // 48 p q (lambda_max + 1)
+  EXPECT_EQ(weights, 64u * 16 * 16);               // 64 r^2
+  for (double lambda : {0.0, 0.3, 1.0, 1.5, 2.0})  // w_k = clamp(1 - lambda + k, 0, 1)
     for (int k = 0; k < 2; ++k)
-      EXPECT_NEAR(windowWeight(m->bands[size_t(k)].window, lambda), std::clamp(1 - lambda + k, 0.0, 1.0), 1e-12);
+      EXPECT_NEAR(windowWeight(m->bands[size_t(k)].window, lambda), std::clamp(1 - lambda + k, 0.0, 1.0),
+                  1e-12);
   EXPECT_EQ(windowWeight(m->bands[2].window, 2.0), 1);
 }
 
-// Ma et al. 2005, sections 3.3 and 3.4: from the two packed textures alone, as their shader reads them at level 0.
-double lumaFromPacked(const PackedLod& packed, const PhongMean& mean, const SyntheticSource& source, int levels, glm::ivec2 texel, int l, int v) {
+// Ma et al. 2005, sections 3.3 and 3.4: from the two packed textures alone, as their shader reads them at
+// level 0.
+double lumaFromPacked(const PackedLod& packed, const PhongMean& mean, const SyntheticSource& source,
+                      int levels, glm::ivec2 texel, int l, int v) {
   const int lights = source.lights().size(), views = source.views().size();
   double y = evaluateMean(mean, source.lights().samples[size_t(l)], source.views().samples[size_t(v)]).x;
   glm::ivec2 corner(0);
@@ -86,7 +94,8 @@ TEST(CookLod, PacksAsPublished) {
     const glm::dvec2 x = (glm::dvec2(at.x, at.y) + 0.5) / 16.0;
     const glm::dvec3 wi = source.lights().samples[size_t(at.z)], wo = source.views().samples[size_t(at.w)];
     const double y = yccFromRgb(evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo)).x;
-    EXPECT_NEAR(lumaFromPacked(*packed, m->mean, source, 5, {at.x, at.y}, at.z, at.w), y, 1e-6);  // 32-bit floats
+    EXPECT_NEAR(lumaFromPacked(*packed, m->mean, source, 5, {at.x, at.y}, at.z, at.w), y,
+                1e-6);  // 32-bit floats
   }
   options.preset = Preset::kGame;
   EXPECT_FALSE(packLod(*cookLod(source, options)).ok());
@@ -112,9 +121,10 @@ TEST(CookLod, RefusesLevelsThatDoNotDivide) {
 }
 
 TEST(CookLod, RefusesValuesThatAreNotFinite) {
-  const SyntheticSource source(4, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3&) {
-    return glm::dvec3(x.x > 0.8 && x.y > 0.8 && wi.z == 1 ? NAN : 0.5);
-  });
+  const SyntheticSource source(4, bonn81Directions(),
+                               [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3&) {
+                                 return glm::dvec3(x.x > 0.8 && x.y > 0.8 && wi.z == 1 ? NAN : 0.5);
+                               });
   const auto m = cookLod(source, {});
   ASSERT_FALSE(m.ok());
   EXPECT_NE(m.issue().text.find("light 0, texel (3, 3)"), std::string::npos) << m.issue().text;
@@ -203,7 +213,8 @@ TEST(Downsample, OddSidesKeepMeanAndPosition) {
     EXPECT_NEAR(mean, 5.5, 1e-12);
     // A box around the coarse texel's centre reads a ramp there, but for the steps of the fine texels.
     for (int t = 0; t < coarse.rows; ++t)
-      EXPECT_NEAR(coarse(t, 0), (t % half + 0.5) / half + 10 * (t / half + 0.5) / half, 11 * 0.25 / side) << side;
+      EXPECT_NEAR(coarse(t, 0), (t % half + 0.5) / half + 10 * (t / half + 0.5) / half, 11 * 0.25 / side)
+          << side;
   }
 }
 
@@ -215,7 +226,8 @@ TEST(MeanFirst, KeepsTheAverageExactThroughMips) {
   const glm::dvec3 wi = source.lights().samples[30], wo = source.views().samples[50];
   glm::dvec3 mean(0);
   for (int t = 0; t < 64; ++t)
-    mean += glm::dvec3(0.9, 0.7, 0.4) * wave(parallax(glm::dvec2(t % 8 + 0.5, t / 8 + 0.5) / 8.0, wo)) * wi.z / 64.0;
+    mean += glm::dvec3(0.9, 0.7, 0.4) * wave(parallax(glm::dvec2(t % 8 + 0.5, t / 8 + 0.5) / 8.0, wo)) *
+            wi.z / 64.0;
   const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3), 10.0, wo), wi, wo);
   EXPECT_NEAR(value.x, mean.x, 0.002);  // 8-bit tables
   EXPECT_NEAR(value.y, mean.y, 0.002);

@@ -1,4 +1,5 @@
-// The fused mode end to end on a picture that lies under the reference plane: identity parameterization, z = -0.08.
+// The fused mode end to end on a picture that lies under the reference plane: identity parameterization, z =
+// -0.08.
 
 #include <gtest/gtest.h>
 
@@ -6,13 +7,13 @@
 #include <cmath>
 #include <random>
 
-#include "importer/fit/coarse_fit.h"
 #include "importer/cook/goal.h"
-#include "importer/fit/grid_table.h"
 #include "importer/cook/meta.h"
 #include "importer/cook/modes.h"
-#include "material/eval/evaluate.h"
+#include "importer/fit/coarse_fit.h"
+#include "importer/fit/grid_table.h"
 #include "material/base/issues.h"
+#include "material/eval/evaluate.h"
 #include "tests/unit/fit_synthetic.h"
 
 namespace loden::importer {
@@ -21,7 +22,9 @@ namespace {
 constexpr double kDepth = 0.08;
 constexpr int kSide = 16;
 
-double wave(glm::dvec2 p) { return 0.5 + 0.2 * std::sin(2 * kPi * p.x) + 0.15 * std::cos(2 * kPi * (p.x + 2 * p.y)); }
+double wave(glm::dvec2 p) {
+  return 0.5 + 0.2 * std::sin(2 * kPi * p.x) + 0.15 * std::cos(2 * kPi * (p.x + 2 * p.y));
+}
 
 SyntheticSource sunkenPicture() {
   return {kSide, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
@@ -31,7 +34,8 @@ SyntheticSource sunkenPicture() {
 
 GeometryImage sunkenPlane(int side) {
   std::vector<glm::dvec3> positions;
-  for (int t = 0; t < side * side; ++t) positions.emplace_back((t % side + 0.5) / side, (t / side + 0.5) / side, -kDepth);
+  for (int t = 0; t < side * side; ++t)
+    positions.emplace_back((t % side + 0.5) / side, (t / side + 0.5) / side, -kDepth);
   return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), true);
 }
 
@@ -89,7 +93,8 @@ SyntheticSource shadedRidges(const GeometryImage& image, const GeometryTracer& t
             const auto hit = tracer.traceView(x, wo);
             const auto point = surfaceAt<double>(image, hit ? hit->p : x);
             const double cosine = glm::dot(point.normal, wi);
-            return glm::dvec3(cosine > 0 && !tracer.occluded(point.position + 2e-3 * point.normal, wi) ? cosine : 0.0);
+            return glm::dvec3(
+                cosine > 0 && !tracer.occluded(point.position + 2e-3 * point.normal, wi) ? cosine : 0.0);
           }};
 }
 
@@ -127,10 +132,14 @@ TEST(Fused, LightFactorBeatsComponentsOnCastShadows) {
     for (int t = k % 7; t < kSide * kSide; t += 7) {
       const int v = k * 5 % views, l = k * 11 % lights;
       const glm::dvec2 x = (glm::dvec2(t % kSide, t / kSide) + 0.5) / double(kSide);
-      const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(x, 0.0, source.views().samples[size_t(v)]), source.lights().samples[size_t(l)], source.views().samples[size_t(v)]);
-      squares += std::pow(value.x - truth[size_t(v)](t, l), 2) / kPairs / std::ceil((kSide * kSide - k % 7) / 7.0);
+      const glm::dvec3 value =
+          evaluator.evaluate(evaluator.findHit(x, 0.0, source.views().samples[size_t(v)]),
+                             source.lights().samples[size_t(l)], source.views().samples[size_t(v)]);
+      squares +=
+          std::pow(value.x - truth[size_t(v)](t, l), 2) / kPairs / std::ceil((kSide * kSide - k % 7) / 7.0);
     }
-  EXPECT_NEAR(std::sqrt(squares), split.error.channel[0].rmse(), 0.1 * split.error.channel[0].rmse());  // of a sample of the pairs
+  EXPECT_NEAR(std::sqrt(squares), split.error.channel[0].rmse(),
+              0.1 * split.error.channel[0].rmse());  // of a sample of the pairs
 }
 
 TEST(Fused, LightFactorSameBytesAtAnyThreadCount) {
@@ -138,13 +147,15 @@ TEST(Fused, LightFactorSameBytesAtAnyThreadCount) {
   const GeometryTracer tracer(image);
   const SyntheticSource source = shadedRidges(image, tracer);
   const auto btf = loadYcc(source, 0);
-  const FusedFit one = fitFused(source, *btf, image, splitPlan(), 1), three = fitFused(source, *btf, image, splitPlan(), 3);
+  const FusedFit one = fitFused(source, *btf, image, splitPlan(), 1),
+                 three = fitFused(source, *btf, image, splitPlan(), 3);
   EXPECT_EQ(one.material.bands[0].weights.data, three.material.bands[0].weights.data);
   EXPECT_EQ(one.material.bands[0].table.data, three.material.bands[0].table.data);
   EXPECT_EQ(one.material.bands[0].light_table.data, three.material.bands[0].light_table.data);
 }
 
-// Light from all around meets a product of two sums through the ambient layer, which is fitted to it: near, not exact.
+// Light from all around meets a product of two sums through the ambient layer, which is fitted to it: near,
+// not exact.
 TEST(Fused, LightFactorUnderAnEnvironment) {
   const GeometryImage image = ridges();
   const GeometryTracer tracer(image);
@@ -181,7 +192,8 @@ TEST(Fused, ContinuousInLambdaDownToTheAverage) {
   const FusedFit fit = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 0);
   const Evaluator evaluator(fit.material);
   for (const int pair : {0, 1234, 4321, 6000}) {
-    const glm::dvec3 wi = source.lights().samples[size_t(pair % 81)], wo = source.views().samples[size_t(pair / 81)];
+    const glm::dvec3 wi = source.lights().samples[size_t(pair % 81)],
+                     wo = source.views().samples[size_t(pair / 81)];
     const glm::dvec2 x(0.23, 0.71);
     glm::dvec3 last = evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo);
     for (int i = 1; i <= 600; ++i) {
@@ -191,7 +203,8 @@ TEST(Fused, ContinuousInLambdaDownToTheAverage) {
     }
     double average = 0;
     for (int t = 0; t < kSide * kSide; ++t)
-      average += wave(glm::dvec2(t % kSide + 0.5, t / kSide + 0.5) / double(kSide) - kDepth * glm::dvec2(wo) / wo.z);
+      average +=
+          wave(glm::dvec2(t % kSide + 0.5, t / kSide + 0.5) / double(kSide) - kDepth * glm::dvec2(wo) / wo.z);
     EXPECT_NEAR(last.x, 0.9 * wi.z * average / (kSide * kSide), 0.0018);  // 55 dB
   }
 }
@@ -204,13 +217,14 @@ TEST(AtlasChoice, AShallowTileGetsASmallAtlas) {
     steep.emplace_back(p, -0.4 * wave), shallow.emplace_back(p, -0.01 * wave);
   }
   const std::vector<uint16_t> charts(steep.size(), 1);
-  const AtlasChoice deep = chooseAtlas(encodeGeometryImage(64, steep, charts, true), 64, 0), flat = chooseAtlas(encodeGeometryImage(64, shallow, charts, true), 64, 0);
+  const AtlasChoice deep = chooseAtlas(encodeGeometryImage(64, steep, charts, true), 64, 0),
+                    flat = chooseAtlas(encodeGeometryImage(64, shallow, charts, true), 64, 0);
   EXPECT_LE(vdimDepthBytes(flat.size), kMostAtlasBytes / 8);
   EXPECT_GT(vdimDepthBytes(deep.size), kMostAtlasBytes / 2);
 }
 
-// The lookup of the fit is that of the asset: the split of texels and directions that errs least on this geometry, and
-// the asset says so.
+// The lookup of the fit is that of the asset: the split of texels and directions that errs least on this
+// geometry, and the asset says so.
 TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);
@@ -219,7 +233,8 @@ TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
     const glm::dvec2 p((t % 32 + 0.5) / 32, (t / 32 + 0.5) / 32);
     ridges.emplace_back(p, -0.15 - 0.15 * std::sin(6 * kPi * p.x));
   }
-  const GeometryImage geometry = encodeGeometryImage(32, ridges, std::vector<uint16_t>(ridges.size(), 1), true);
+  const GeometryImage geometry =
+      encodeGeometryImage(32, ridges, std::vector<uint16_t>(ridges.size(), 1), true);
   FusedPlan plan = smallPlan();
   plan.coarse_y = 0;
   const FusedFit fit = fitFused(source, *btf, geometry, plan, 0);
@@ -230,12 +245,15 @@ TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
     return e.mean_texels * e.over_1_texel;
   };
   for (const VdimAtlasSize size : atlasCandidates()) {
-    EXPECT_LE(badness(fit.material.atlas), 1.1 * badness(size)) << size.texels << " texels, " << size.directions << " directions";
+    EXPECT_LE(badness(fit.material.atlas), 1.1 * badness(size))
+        << size.texels << " texels, " << size.directions << " directions";
     EXPECT_LE(vdimDepthBytes(size), kMostAtlasBytes);
   }
   EXPECT_GT(badness(fit.material.atlas), 0);
   const std::string meta = cookMeta(fit.material, "test", "game", &fit.error, {}, fit.atlases);
-  EXPECT_NE(meta.find("\"atlas_texels\":" + std::to_string(fit.material.atlas.texels) + ","), std::string::npos) << meta;
+  EXPECT_NE(meta.find("\"atlas_texels\":" + std::to_string(fit.material.atlas.texels) + ","),
+            std::string::npos)
+      << meta;
 
   plan.atlas = VdimAtlasSize{12, 6};
   const FusedFit named = fitFused(source, *btf, geometry, plan, 0);
@@ -264,7 +282,9 @@ TEST(Fused, LevelsKeepTheFinest) {
   // Up to the last level kept the values are those of all levels; beyond it, that level's.
   const Evaluator whole(all.material), kept(three.material), alone(one.material);
   const glm::dvec3 wi = source.lights().samples[30], wo = source.views().samples[50];
-  const auto at = [&](const Evaluator& e, double lambda) { return e.evaluate(e.findHit(glm::dvec2(0.23, 0.71), lambda, wo), wi, wo).x; };
+  const auto at = [&](const Evaluator& e, double lambda) {
+    return e.evaluate(e.findHit(glm::dvec2(0.23, 0.71), lambda, wo), wi, wo).x;
+  };
   for (const double lambda : {0.0, 1.0, 1.5, 2.0}) EXPECT_EQ(at(kept, lambda), at(whole, lambda)) << lambda;
   EXPECT_EQ(at(kept, 4.0), at(kept, 2.0));
   EXPECT_EQ(at(alone, 3.0), at(alone, 0.0));
@@ -285,10 +305,12 @@ TEST(Fused, SixteenBitsRoundLess) {
 
 // A highlight as white as the light over a coloured picture: chroma is no multiple of luma.
 TEST(Fused, ChromaComponentsCatchWhiteHighlights) {
-  const SyntheticSource source(kSide, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
-    const double lobe = std::pow(glm::normalize(wi + wo).z, 20);
-    return glm::dvec3(0.9, 0.4, 0.1) * wave(x - kDepth * glm::dvec2(wo) / wo.z) * wi.z + glm::dvec3(0.5 * lobe);
-  });
+  const SyntheticSource source(
+      kSide, bonn81Directions(), [](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
+        const double lobe = std::pow(glm::normalize(wi + wo).z, 20);
+        return glm::dvec3(0.9, 0.4, 0.1) * wave(x - kDepth * glm::dvec2(wo) / wo.z) * wi.z +
+               glm::dvec3(0.5 * lobe);
+      });
   const auto btf = loadYcc(source, 0);
   FusedPlan plan = smallPlan();
   const FusedFit ratio = fitFused(source, *btf, sunkenPlane(32), plan, 0);
@@ -315,7 +337,8 @@ TEST(AverageGrid, TakesTheColumnsThatGiveTheAverage) {
 
 // An error that falls with components and with the finer structures, and least with storage.
 Result<double> pretended(const FusedPlan& plan) {
-  return 0.3 / (4 + plan.y_components) + 0.005 / plan.flat_scale + 0.001 * (25 - plan.phis) / 12.0 + (plan.storage == Storage::kSnorm8 ? 1e-4 : 0);
+  return 0.3 / (4 + plan.y_components) + 0.005 / plan.flat_scale + 0.001 * (25 - plan.phis) / 12.0 +
+         (plan.storage == Storage::kSnorm8 ? 1e-4 : 0);
 }
 
 TEST(Goal, LeastErrorStaysWithinTheBytes) {
@@ -333,23 +356,25 @@ TEST(Goal, TargetIsMetByTheCheapestMeasured) {
   ASSERT_TRUE(choice.ok());
   EXPECT_LE(*pretended(choice->plan), 0.02);
   const uint64_t bytes = fusedBytes(choice->plan, 64, choice->plan.geometry_side);
-  for (const TradePoint& p : choice->measured)
-    EXPECT_TRUE(p.rmse_y > 0.02 || p.bytes >= bytes) << p.bytes;
+  for (const TradePoint& p : choice->measured) EXPECT_TRUE(p.rmse_y > 0.02 || p.bytes >= bytes) << p.bytes;
 }
 
 TEST(Goal, SixteenBitsComeLast) {
   const auto sixteen = [](const Choice& choice) {
-    return std::count_if(choice.measured.begin(), choice.measured.end(), [](const TradePoint& p) { return p.plan.storage == Storage::kSnorm16; });
+    return std::count_if(choice.measured.begin(), choice.measured.end(),
+                         [](const TradePoint& p) { return p.plan.storage == Storage::kSnorm16; });
   };
   // Where bytes are short they go into components; where there are enough for everything, into storage.
-  const auto tight = choosePlan({600000, 0}, 64, 128, pretended), ample = choosePlan({1 << 30, 0}, 64, 128, pretended);
+  const auto tight = choosePlan({600000, 0}, 64, 128, pretended),
+             ample = choosePlan({1 << 30, 0}, 64, 128, pretended);
   ASSERT_TRUE(tight.ok() && ample.ok());
   EXPECT_EQ(sixteen(*tight), 0);
   EXPECT_EQ(sixteen(*ample), 1);
   EXPECT_EQ(ample->plan.storage, Storage::kSnorm16);
   // A target that only 16 bits reach; and one that 8 bits reach.
   const double lavish = *pretended(ample->plan);
-  const auto hard = choosePlan({0, lavish + 5e-5}, 64, 128, pretended), easy = choosePlan({0, lavish + 2e-4}, 64, 128, pretended);
+  const auto hard = choosePlan({0, lavish + 5e-5}, 64, 128, pretended),
+             easy = choosePlan({0, lavish + 2e-4}, 64, 128, pretended);
   ASSERT_TRUE(hard.ok() && easy.ok());
   EXPECT_EQ(hard->plan.storage, Storage::kSnorm16);
   EXPECT_EQ(easy->plan.storage, Storage::kSnorm8);
@@ -364,7 +389,8 @@ TEST(Goal, HoldsWithTheLevelsAskedFor) {
     EXPECT_LE(fusedBytes(choice->plan, 64, choice->plan.geometry_side), 300000u);
   }
   // Without the coarse band there is room for a better plan.
-  EXPECT_LT(*pretended(choosePlan({300000, 0, 1}, 64, 128, pretended)->plan), *pretended(choosePlan({300000, 0, 0}, 64, 128, pretended)->plan));
+  EXPECT_LT(*pretended(choosePlan({300000, 0, 1}, 64, 128, pretended)->plan),
+            *pretended(choosePlan({300000, 0, 0}, 64, 128, pretended)->plan));
 }
 
 TEST(Goal, TakesTheFirstLightFactorThatLeavesRoom) {
@@ -391,7 +417,8 @@ TEST(Goal, SaysWhatCannotBeMet) {
 }
 
 TEST(Goal, ParetoFrontFallsInError) {
-  const std::vector<TradePoint> front = paretoFront({{{}, 300, 0.1}, {{}, 100, 0.5}, {{}, 200, 0.6}, {{}, 300, 0.05}, {{}, 400, 0.05}});
+  const std::vector<TradePoint> front =
+      paretoFront({{{}, 300, 0.1}, {{}, 100, 0.5}, {{}, 200, 0.6}, {{}, 300, 0.05}, {{}, 400, 0.05}});
   ASSERT_EQ(front.size(), 2u);
   EXPECT_EQ(front[0].bytes, 100u);
   EXPECT_EQ(front[1].bytes, 300u);

@@ -1,5 +1,3 @@
-#include "importer/fit/grid_table.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <random>
 
 #include "importer/fit/band_pack.h"
+#include "importer/fit/grid_table.h"
 
 namespace loden::importer {
 namespace {
@@ -63,9 +62,11 @@ TEST(BandPack, EightBitsReadBackWithinHalfACode) {
         // Random tables overshoot between samples in the grid, so its scale is larger than the samples'.
         const double tolerance = layout == TableLayout::kGrid ? 0.02 : 0.005;
         for (int k = 0; k < 3; ++k)
-          EXPECT_NEAR(back.y.weights(t, k) * back.y.basis(i, k), f.y.weights(t, k) * f.y.basis(i, k), tolerance);
+          EXPECT_NEAR(back.y.weights(t, k) * back.y.basis(i, k), f.y.weights(t, k) * f.y.basis(i, k),
+                      tolerance);
         for (int k = 0; k < 2; ++k)
-          EXPECT_NEAR(back.cr.weights(t, k) * back.cr.basis(i, k), f.cr.weights(t, k) * f.cr.basis(i, k), tolerance);
+          EXPECT_NEAR(back.cr.weights(t, k) * back.cr.basis(i, k), f.cr.weights(t, k) * f.cr.basis(i, k),
+                      tolerance);
       }
       EXPECT_NEAR(back.ratio[0][size_t(t)].x, f.ratio[0][size_t(t)].x, 0.001);
     }

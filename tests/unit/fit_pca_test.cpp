@@ -1,5 +1,3 @@
-#include "importer/fit/pca.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 
 #include "importer/fit/band_fit.h"
 #include "importer/fit/matrix.h"
+#include "importer/fit/pca.h"
 
 namespace loden::importer {
 namespace {
@@ -60,8 +59,8 @@ TEST(Pca, KeepsSmallSingularValuesOfLaeuchli) {
   }
 }
 
-// NIST StRD, univariate, NumAcc4: mean 10000000.2, standard deviation 0.1 of 1001 values. A sum of squares minus the
-// square of the sum keeps no digit of the deviation, even in double precision.
+// NIST StRD, univariate, NumAcc4: mean 10000000.2, standard deviation 0.1 of 1001 values. A sum of squares
+// minus the square of the sum keeps no digit of the deviation, even in double precision.
 TEST(Pca, MeanAndSpreadOfNistNumAcc4) {
   Matrix values(1001, 1);
   for (int i = 0; i < 1001; ++i) values(i, 0) = i == 0 ? 10000000.2 : i % 2 == 1 ? 10000000.1 : 10000000.3;

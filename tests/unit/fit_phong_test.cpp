@@ -1,6 +1,6 @@
-#include "importer/fit/phong.h"
-
 #include <gtest/gtest.h>
+
+#include "importer/fit/phong.h"
 
 namespace loden::importer {
 namespace {

@@ -4,13 +4,13 @@
 #include <map>
 
 #include "importer/bake/bake.h"
-#include "importer/cook/modes.h"
 #include "importer/bake/bake_scene.h"
 #include "importer/bake/light_sum.h"
 #include "importer/bake/linear_texels.h"
-#include "importer/tile/mesh_material.h"
 #include "importer/bake/push_pull.h"
 #include "importer/base/random.h"
+#include "importer/cook/modes.h"
+#include "importer/tile/mesh_material.h"
 #include "importer/tile/tile_tracer.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
@@ -79,14 +79,16 @@ TEST(Bake, FlatWhiteLambertGivesTheCosine) {
 
 TEST(Bake, FlatBtfAtItsVdimIsTheBtf) {
   // Shallow and smooth, so that nothing is hidden and both sample the same surface points.
-  const Tile tile = testing::heightFieldTile(48, [](glm::dvec2 p) { return 0.02 * (std::sin(2 * kPi * p.x) + std::cos(2 * kPi * p.y)) - 0.04; });
+  const Tile tile = testing::heightFieldTile(
+      48, [](glm::dvec2 p) { return 0.02 * (std::sin(2 * kPi * p.x) + std::cos(2 * kPi * p.y)) - 0.04; });
   const TemporaryFolder folder;
   BakeOptions options = smallBake(32);
   options.vdims = {{2, 2}};
   const BakedOutput output = baked(tile, folder.path(), options);
   const auto btf = *output.btfView(4), flat = *output.flatView(4);  // the middle direction: straight down
   double difference = 0;
-  for (size_t k = 0; k < btf.size(); ++k) difference = std::max(difference, double(glm::length(btf[k] - flat[k])));
+  for (size_t k = 0; k < btf.size(); ++k)
+    difference = std::max(difference, double(glm::length(btf[k] - flat[k])));
   EXPECT_LT(difference, 0.02);
 }
 
@@ -105,10 +107,12 @@ TEST(Bake, ConcentricVdim_HoldsDepthsOfTheFirstHitOnTheRuntimesGrid) {
     const glm::dvec3 wo = vdimViewFromSquare((glm::dvec2(k / 64 % 4, k / 64 / 4) + 0.5) / 4.0);
     const glm::dvec2 x = (glm::dvec2(k % 8, k % 64 / 8) + 0.5) / 8.0, slope = glm::dvec2(wo) / wo.z;
     const auto off = [&](double z) { return height(x + slope * z) - z; };  // below 0 above the surface
-    // The bake looks .0022 of a texel beside the centre, and at facets of 1 / 96: depths differ by slope * both.
+    // The bake looks .0022 of a texel beside the centre, and at facets of 1 / 96: depths differ by slope *
+    // both.
     const double tolerance = 2e-3 * (1 + glm::length(slope));
     EXPECT_LT(std::abs(off(double(depths[k]))), tolerance);
-    for (double z = 0; z > double(depths[k]) + tolerance; z -= 1e-3) EXPECT_LT(off(z), tolerance) << "something stands before the hit";
+    for (double z = 0; z > double(depths[k]) + tolerance; z -= 1e-3)
+      EXPECT_LT(off(z), tolerance) << "something stands before the hit";
   }
 }
 
@@ -128,12 +132,15 @@ TEST(Bake, AtlasRebuiltFromTheGeometryImageIsTheStoredConcentricVdim) {
   int apart = 0;
   double sum = 0;
   for (size_t k = 0; k < stored.size(); ++k) {
-    const double codes = std::abs(255 * (1 + double(stored[k]) / range) - double(std::to_integer<int>(atlas.depth.data[k])));
+    const double codes =
+        std::abs(255 * (1 + double(stored[k]) / range) - double(std::to_integer<int>(atlas.depth.data[k])));
     apart += codes > 3;
     sum += std::min(codes, 3.0);
   }
-  EXPECT_LT(sum / double(stored.size()), 0.6) << "a quarter code of rounding, and .0022 of a texel beside the centre";
-  EXPECT_LT(apart, 0.03 * double(stored.size())) << "rays that graze an edge of the mesh or of the image: .3 % upright, 3 % at 85 degrees";
+  EXPECT_LT(sum / double(stored.size()), 0.6)
+      << "a quarter code of rounding, and .0022 of a texel beside the centre";
+  EXPECT_LT(apart, 0.03 * double(stored.size()))
+      << "rays that graze an edge of the mesh or of the image: .3 % upright, 3 % at 85 degrees";
 }
 
 // The BTF without any sharing: a shadow ray for every sample, view and light.
@@ -146,10 +153,13 @@ std::vector<glm::vec3> btfByRays(const Tile& tile, const BakeManifest& m, int vi
   for (size_t t = 0; t < texels; ++t)
     for (int k = 0; k < per_texel; ++k) {
       const glm::dvec2 texel(double(t % size_t(m.size)), double(t / size_t(m.size)));
-      const auto hit = tracer.intersectView((texel + samplePosition(k, m.supersample)) / double(m.size), directions[size_t(view)]);
+      const auto hit = tracer.intersectView((texel + samplePosition(k, m.supersample)) / double(m.size),
+                                            directions[size_t(view)]);
       if (!hit) continue;
       for (size_t l = 0; l < directions.size(); ++l)
-        values[l * texels + t] += glm::vec3(shadeHit(tracer, *hit, directions[l], directions[size_t(view)], 0, 0)) / float(per_texel);
+        values[l * texels + t] +=
+            glm::vec3(shadeHit(tracer, *hit, directions[l], directions[size_t(view)], 0, 0)) /
+            float(per_texel);
     }
   return values;
 }
@@ -241,7 +251,8 @@ int nearestView(const BakedOutput& output, int view, size_t texel) {
   int nearest = -1;
   for (int other = 0; other < int(directions.size()); ++other)
     if ((*output.visibleView(other))[texel] > 0 &&
-        (nearest < 0 || glm::dot(directions[other], directions[view]) > glm::dot(directions[nearest], directions[view]) + 1e-12))
+        (nearest < 0 || glm::dot(directions[other], directions[view]) >
+                            glm::dot(directions[nearest], directions[view]) + 1e-12))
       nearest = other;
   return nearest;
 }
@@ -301,7 +312,8 @@ TEST(LinearTexels, ErrOnTheBrightSide) {
   LinearTexels linear(n, per_side, 1);
   for (int t = 0; t < n * n; ++t)
     for (int k = 0; k < per_side * per_side; ++k)
-      for (const glm::vec3& value : {glm::vec3(0), glm::vec3(1)}) linear.add({t % n, t / n}, samplePosition(k, per_side), std::span(&value, 1));
+      for (const glm::vec3& value : {glm::vec3(0), glm::vec3(1)})
+        linear.add({t % n, t / n}, samplePosition(k, per_side), std::span(&value, 1));
   std::vector<glm::vec3> texels(n * n, glm::vec3(0.5f));
   linear.fit(0, texels);
   for (const glm::vec3& texel : texels) {
@@ -310,7 +322,8 @@ TEST(LinearTexels, ErrOnTheBrightSide) {
   }
 }
 
-// A map that its own filter has read: the fit gives it back, and does not touch what has no samples around it.
+// A map that its own filter has read: the fit gives it back, and does not touch what has no samples around
+// it.
 TEST(LinearTexels, RecoverAMapFromItsFilteredSamples) {
   constexpr int n = 12, per_side = 4;
   std::vector<glm::vec3> map;
@@ -324,9 +337,13 @@ TEST(LinearTexels, RecoverAMapFromItsFilteredSamples) {
       if (!seen(i, j)) continue;
       glm::vec3& mean = texels[size_t(j * n + i)] = glm::vec3(0);
       for (int k = 0; k < per_side * per_side; ++k) {
-        const glm::dvec2 at = glm::dvec2(i, j) + samplePosition(k, per_side) - 0.5, cell = glm::floor(at), f = at - cell;
-        const auto read = [&](int x, int y) { return map[size_t((int(cell.y) + y + n) % n * n + (int(cell.x) + x + n) % n)]; };
-        const glm::vec3 value = glm::mix(glm::mix(read(0, 0), read(1, 0), float(f.x)), glm::mix(read(0, 1), read(1, 1), float(f.x)), float(f.y));
+        const glm::dvec2 at = glm::dvec2(i, j) + samplePosition(k, per_side) - 0.5, cell = glm::floor(at),
+                         f = at - cell;
+        const auto read = [&](int x, int y) {
+          return map[size_t((int(cell.y) + y + n) % n * n + (int(cell.x) + x + n) % n)];
+        };
+        const glm::vec3 value = glm::mix(glm::mix(read(0, 0), read(1, 0), float(f.x)),
+                                         glm::mix(read(0, 1), read(1, 1), float(f.x)), float(f.y));
         linear.add({i, j}, samplePosition(k, per_side), std::span(&value, 1));
         mean += value / float(per_side * per_side);
       }
@@ -336,7 +353,9 @@ TEST(LinearTexels, RecoverAMapFromItsFilteredSamples) {
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const size_t t = size_t(j * n + i);
-      if (i > 8 && j > 8 && i < n - 1 && j < n - 1) { EXPECT_EQ(texels[t], means[t]); }
+      if (i > 8 && j > 8 && i < n - 1 && j < n - 1) {
+        EXPECT_EQ(texels[t], means[t]);
+      }
       if (i < 1 || j < 1 || i > 6 || j > 6) continue;  // the border hangs on the first guess
       mean_error = std::max(mean_error, double(glm::distance(means[t], map[t])));
       fitted_error = std::max(fitted_error, double(glm::distance(texels[t], map[t])));
@@ -421,7 +440,9 @@ TEST(BakedOutput, RefusesWhatIsIncompleteOrDamaged) {
 }
 
 TEST(TileTracer, FindsTheHeightFieldFromAnyPeriodAndAngle) {
-  const auto height = [](glm::dvec2 p) { return 0.1 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1); };
+  const auto height = [](glm::dvec2 p) {
+    return 0.1 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1);
+  };
   const Tile tile = testing::heightFieldTile(96, height);
   const TileTracer tracer(tile);
   for (int k = 0; k < 500; ++k) {
@@ -450,13 +471,15 @@ TEST(TileTracer, StreamsOfViewRaysAgreeWithSingleOnes) {
     for (size_t k = 0; k < x.size(); ++k) {
       const auto single = tracer.intersectView(x[k], wo);
       ASSERT_TRUE(hits[k] && single) << theta << ' ' << k;
-      EXPECT_LT(glm::distance(hits[k]->position, single->position), 1e-7) << theta;  // either triangle beside an edge
+      EXPECT_LT(glm::distance(hits[k]->position, single->position), 1e-7)
+          << theta;  // either triangle beside an edge
       EXPECT_NEAR(hits[k]->t, single->t, 1e-7 / wo.z);
     }
   }
   const glm::dvec3 from_below(0.6, 0, -0.8);  // its rays go up and away from the tile
   tracer.intersectViews(x, from_below, hits);
-  for (size_t k = 0; k < x.size(); ++k) EXPECT_EQ(hits[k].has_value(), tracer.intersectView(x[k], from_below).has_value()) << k;
+  for (size_t k = 0; k < x.size(); ++k)
+    EXPECT_EQ(hits[k].has_value(), tracer.intersectView(x[k], from_below).has_value()) << k;
 }
 
 TEST(TileTracer, StreamsOfShadowRaysAgreeWithSingleOnes) {
@@ -464,7 +487,8 @@ TEST(TileTracer, StreamsOfShadowRaysAgreeWithSingleOnes) {
   std::vector<glm::vec3> origins;
   std::vector<uint8_t> wanted;
   for (int k = 0; k < 301; ++k) {
-    const TileHit hit = tracer.pointOn(uint32_t(uniform(5, k) * double(tracer.tile().triangles.size())), {0.3, 0.3});
+    const TileHit hit =
+        tracer.pointOn(uint32_t(uniform(5, k) * double(tracer.tile().triangles.size())), {0.3, 0.3});
     origins.push_back(glm::vec3(hit.ray_origin) + glm::vec3(float(k % 7) - 3, 0, 0));
     wanted.push_back(k % 5 != 0);
   }
@@ -503,15 +527,18 @@ TEST(LightSum, AllLightsAtOnceAgreeWithOneByOne) {
   LightTable lights(set);
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.2, 0.9));
   const uint64_t lit[2] = {0xF0A5FF0012345678ull, 0x1F0FF};  // whole groups, empty groups, single lights
-  for (const LocalBrdf& brdf : {LocalBrdf{glm::vec3(0.1f, 0.5f, 0.2f), 0.7f, 45}, brdfFromMetallicRoughness({0.9f, 0.6f, 0.1f}, 0.4f, 0.5f)})
+  for (const LocalBrdf& brdf : {LocalBrdf{glm::vec3(0.1f, 0.5f, 0.2f), 0.7f, 45},
+                                brdfFromMetallicRoughness({0.9f, 0.6f, 0.1f}, 0.4f, 0.5f)})
     for (const glm::dvec3& wo : set.samples) {
       lights.setView(glm::vec3(wo));
       LightSum sum(lights);
       for (int twice = 0; twice < 2; ++twice) sum.add(glm::vec3(normal), glm::vec3(wo), brdf, lit);
       for (size_t l = 0; l < lights.size(); ++l) {
-        const double cosine = lit[l / 64] >> (l % 64) & 1 ? std::max(0.0, glm::dot(normal, set.samples[l])) : 0;
+        const double cosine =
+            lit[l / 64] >> (l % 64) & 1 ? std::max(0.0, glm::dot(normal, set.samples[l])) : 0;
         const glm::dvec3 expected = 2 * cosine * reflectance(brdf, normal, set.samples[l], wo);
-        EXPECT_LT(glm::length(glm::dvec3(sum[l]) - expected), 1e-4 + 1e-4 * glm::length(expected));  // float against double
+        EXPECT_LT(glm::length(glm::dvec3(sum[l]) - expected),
+                  1e-4 + 1e-4 * glm::length(expected));  // float against double
       }
     }
 }

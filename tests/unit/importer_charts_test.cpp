@@ -5,10 +5,10 @@
 #include <set>
 
 #include "importer/bake/bake.h"
-#include "importer/tile/charts.h"
-#include "importer/cook/modes.h"
 #include "importer/bake/push_pull.h"
 #include "importer/base/random.h"
+#include "importer/cook/modes.h"
+#include "importer/tile/charts.h"
 #include "importer/tile/tile_tracer.h"
 #include "importer_meshes.h"
 
@@ -42,7 +42,8 @@ TEST(PackCharts, KeepsAGutterBetweenAnyTwoAndTheirProportions) {
   EXPECT_EQ(gutter, 1.0 / 16);
   EXPECT_GE(gutterOf(tile), gutter - 1.0 / 256);  // counted in cells
   const auto area = [&](size_t t) {
-    const glm::dvec2 a = tile.params[tile.triangles[t].x], b = tile.params[tile.triangles[t].y] - a, c = tile.params[tile.triangles[t].z] - a;
+    const glm::dvec2 a = tile.params[tile.triangles[t].x], b = tile.params[tile.triangles[t].y] - a,
+                     c = tile.params[tile.triangles[t].z] - a;
     return b.x * c.y - b.y * c.x;
   };
   EXPECT_GT(area(0), 0);
@@ -65,7 +66,8 @@ TEST(ChartOwners, AreTheNearestAcrossThePeriod) {
   const auto owners = chartOwners(n, labels);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
-      const int to7 = std::min(std::abs(i - 1), n - std::abs(i - 1)), to3 = std::abs(i - 9) < n / 2 ? std::abs(i - 9) : n - std::abs(i - 9);
+      const int to7 = std::min(std::abs(i - 1), n - std::abs(i - 1)),
+                to3 = std::abs(i - 9) < n / 2 ? std::abs(i - 9) : n - std::abs(i - 9);
       EXPECT_EQ(owners[size_t(j * n + i)], to7 < to3 ? 7 : 3) << i;
     }
 }
@@ -81,7 +83,9 @@ TEST(ChartOwners, HalvedAreTheMajority) {
 
 class Fill : public ::testing::TestWithParam<FillMethod> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Fill, ::testing::Values(FillMethod::kPushPull, FillMethod::kHarmonic),
-                         [](const auto& method) { return method.param == FillMethod::kPushPull ? "PushPull" : "Harmonic"; });
+                         [](const auto& method) {
+                           return method.param == FillMethod::kPushPull ? "PushPull" : "Harmonic";
+                         });
 
 TEST_P(Fill, TakesEachChartsColourIntoItsOwnGutterOnly) {
   constexpr int n = 32;
@@ -109,8 +113,8 @@ TEST_P(Fill, GivesAChartWithoutAnyDefinedTexelTheMeanOfAll) {
   EXPECT_EQ(texels, (std::vector<glm::vec3>{glm::vec3(1), glm::vec3(3), glm::vec3(2), glm::vec3(2)}));
 }
 
-// How far a linear ramp with a hole comes back from a straight line. Ramp and hole lie inside a chart of their own,
-// because a ramp does not repeat.
+// How far a linear ramp with a hole comes back from a straight line. Ramp and hole lie inside a chart of
+// their own, because a ramp does not repeat.
 double rampError(FillMethod method) {
   constexpr int n = 32;
   std::vector<float> weights(n * n, 1);
@@ -126,7 +130,8 @@ double rampError(FillMethod method) {
   HoleFill(method, n, weights, owners).apply(texels);
   double worst = 0;
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) worst = std::max(worst, double(glm::distance(texels[size_t(j * n + i)], ramp(i, j))));
+    for (int i = 0; i < n; ++i)
+      worst = std::max(worst, double(glm::distance(texels[size_t(j * n + i)], ramp(i, j))));
   return worst;
 }
 
@@ -139,7 +144,8 @@ TEST(HoleFill, WithOneChartIsPlainPushPull) {
   constexpr int n = 21;
   std::vector<float> weights(n * n);
   std::vector<glm::vec3> a(n * n);
-  for (size_t t = 0; t < a.size(); ++t) weights[t] = uniform(3, t) < 0.4 ? 1.0f : 0.0f, a[t] = glm::vec3(float(uniform(4, t)));
+  for (size_t t = 0; t < a.size(); ++t)
+    weights[t] = uniform(3, t) < 0.4 ? 1.0f : 0.0f, a[t] = glm::vec3(float(uniform(4, t)));
   auto b = a;
   PushPull(n, weights).apply(a);
   HoleFill(FillMethod::kPushPull, n, weights, {}).apply(b);
@@ -149,7 +155,8 @@ TEST(HoleFill, WithOneChartIsPlainPushPull) {
 TEST(Weave, HasSeparateYarnsThatPassOverAndUnder) {
   const Tile tile = *builtinTile("weave", 96);
   EXPECT_EQ(findCharts(tile), tile.charts);
-  EXPECT_EQ(*std::max_element(tile.charts.begin(), tile.charts.end()), 5);  // two warps, two wefts, the lining
+  EXPECT_EQ(*std::max_element(tile.charts.begin(), tile.charts.end()),
+            5);  // two warps, two wefts, the lining
   EXPECT_GE(gutterOf(tile), 1.0 / 16 - 1.0 / 256);
   // Straight down, through everything: a yarn left behind does not come back, so none cuts into another.
   const TileTracer tracer(tile);
@@ -193,8 +200,12 @@ TEST(Weave, NormalsGoOnBeyondTheCut) {
   const auto surface = *BakedOutput::open(folder.path())->surface();
   const auto filtered = [&](glm::dvec2 p) {
     const glm::dvec2 at = p * 64.0 - 0.5, base = glm::floor(at), f = at - base;
-    const auto texel = [&](int i, int j) { return glm::dvec3(surface.normal[size_t((int(base.y) + j + 64) % 64 * 64 + (int(base.x) + i + 64) % 64)]); };
-    return glm::normalize(glm::mix(glm::mix(texel(0, 0), texel(1, 0), f.x), glm::mix(texel(0, 1), texel(1, 1), f.x), f.y));
+    const auto texel = [&](int i, int j) {
+      return glm::dvec3(
+          surface.normal[size_t((int(base.y) + j + 64) % 64 * 64 + (int(base.x) + i + 64) % 64)]);
+    };
+    return glm::normalize(
+        glm::mix(glm::mix(texel(0, 0), texel(1, 0), f.x), glm::mix(texel(0, 1), texel(1, 1), f.x), f.y));
   };
   // Mean error in degrees over the upper half of one row of the first yarn; 33 vertices to a row.
   const auto error = [&](size_t row) {
@@ -232,8 +243,8 @@ TEST(Weave, BakesIntoAGeometryImageWhosePatchesKeepToOneChart) {
       EXPECT_LT(glm::distance(patch.p00, patch.p11), 0.15);  // the lining has 1/8 period between texels
     }
   EXPECT_GT(patches, image.side() * image.side() / 3);
-  // Where the mesh is met, the image is: charts reach their borders, seams do not open. The image's own facets
-  // make the difference.
+  // Where the mesh is met, the image is: charts reach their borders, seams do not open. The image's own
+  // facets make the difference.
   const TileTracer tracer(tile);
   const GeometryTracer image_tracer(image);
   int missed = 0, off = 0;

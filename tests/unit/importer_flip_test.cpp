@@ -1,11 +1,10 @@
 // FLIP against values of the authors' own implementation (NVIDIA FLIP 1.6), and metrics against closed form.
-#include "importer/base/flip.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "importer/base/flip.h"
 #include "importer/base/metrics.h"
 
 namespace loden::importer {
@@ -39,7 +38,9 @@ void expectFlip(const Change& change, double mean, double max) {
   EXPECT_NEAR(error.max, max, 1e-4);
 }
 
-TEST(Flip, SameImage_IsZero) { expectFlip(patternAt, 0, 0); }
+TEST(Flip, SameImage_IsZero) {
+  expectFlip(patternAt, 0, 0);
+}
 
 TEST(Flip, Brighter_MatchesAuthors) {
   expectFlip([](int x, int y) { return glm::min(patternAt(x, y) * 1.1f, glm::vec3(1)); }, 0.192512, 0.230068);

@@ -34,7 +34,8 @@ class TemporaryFolder {
 };
 
 // An n x n grid of two triangles per cell, z = height(p), one reflectance everywhere.
-inline Tile heightFieldTile(int n, const std::function<double(glm::dvec2)>& height, const LocalBrdf& brdf = {glm::vec3(1), 0, 1}) {
+inline Tile heightFieldTile(int n, const std::function<double(glm::dvec2)>& height,
+                            const LocalBrdf& brdf = {glm::vec3(1), 0, 1}) {
   Tile tile;
   tile.name = "test";
   tile.identity_parameterization = true;
@@ -60,7 +61,10 @@ inline Tile heightFieldTile(int n, const std::function<double(glm::dvec2)>& heig
   return tile;
 }
 
-inline Tile flatTile(const LocalBrdf& brdf = {glm::vec3(1), 0, 1}) { return heightFieldTile(2, [](glm::dvec2) { return 0.0; }, brdf); }
+inline Tile flatTile(const LocalBrdf& brdf = {glm::vec3(1), 0, 1}) {
+  return heightFieldTile(
+      2, [](glm::dvec2) { return 0.0; }, brdf);
+}
 
 // Grooves along y, `depth` deep.
 inline Tile groovedTile(double depth = 0.2) {
@@ -68,7 +72,8 @@ inline Tile groovedTile(double depth = 0.2) {
 }
 
 // OBJ text of an n x n quad grid: `position` and `uv` of the grid coordinate in [0,1]^2. uv may be empty.
-inline std::string objGrid(int n, const std::function<glm::dvec3(glm::dvec2)>& position, const std::function<glm::dvec2(glm::dvec2)>& uv) {
+inline std::string objGrid(int n, const std::function<glm::dvec3(glm::dvec2)>& position,
+                           const std::function<glm::dvec2(glm::dvec2)>& uv) {
   std::ostringstream text;
   text.precision(17);
   for (int j = 0; j <= n; ++j)
@@ -84,27 +89,32 @@ inline std::string objGrid(int n, const std::function<glm::dvec3(glm::dvec2)>& p
   };
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i)
-      text << "f " << corner(i, j) << ' ' << corner(i + 1, j) << ' ' << corner(i + 1, j + 1) << ' ' << corner(i, j + 1) << '\n';
+      text << "f " << corner(i, j) << ' ' << corner(i + 1, j) << ' ' << corner(i + 1, j + 1) << ' '
+           << corner(i, j + 1) << '\n';
   return text.str();
 }
 
 // A flat 2 x 2 m glTF tile of two triangles in the xz plane, as JSON to be changed before it is written.
 inline nlohmann::ordered_json gltfTile() {
   const float data[] = {0, 0, 0, 2, 0, 0, 2, 0, -2, 0, 0, -2,  // positions; -z is the tile's +y
-                        0, 1, 1, 1, 1, 0, 0, 0};              // texture coordinates, v down
+                        0, 1, 1, 1, 1, 0, 0, 0};               // texture coordinates, v down
   const uint16_t indices[] = {0, 1, 2, 0, 2, 3};
   std::string bytes(sizeof data + sizeof indices, '\0');
   std::memcpy(bytes.data(), data, sizeof data);
   std::memcpy(bytes.data() + sizeof data, indices, sizeof indices);
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(R"({
     "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
-    "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1], "metallicFactor": 0, "roughnessFactor": 0.5}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2,
+      "material": 0}]}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1],
+      "metallicFactor": 0, "roughnessFactor": 0.5}}],
     "accessors": [
-      {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, -2], "max": [2, 0, 0]},
+      {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, -2],
+      "max": [2, 0, 0]},
       {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
       {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
-    "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+    "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0,
+      "byteOffset": 48, "byteLength": 32},
                     {"buffer": 0, "byteOffset": 80, "byteLength": 12}],
     "buffers": [{"byteLength": 92}]})");
   json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(bytes);

@@ -7,10 +7,10 @@
 
 #include "fit_synthetic.h"
 #include "importer/bake/bake.h"
-#include "importer/btf/baked_files.h"
-#include "importer/cook/cook.h"
 #include "importer/base/image_file.h"
 #include "importer/base/repair_log.h"
+#include "importer/btf/baked_files.h"
+#include "importer/cook/cook.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
 
@@ -56,7 +56,8 @@ TEST(RepairLog, PartReadTwice_CountsOnce) {
   RepairLog log;
   EXPECT_EQ(log.count(), 0u);
   EXPECT_EQ(log.first(), "");
-  log.add("view 0002", 3, "texel (0, 0)"), log.add("view 0001", 4, "texel (1, 0)"), log.add("view 0002", 3, "texel (0, 0)");
+  log.add("view 0002", 3, "texel (0, 0)"), log.add("view 0001", 4, "texel (1, 0)"),
+      log.add("view 0002", 3, "texel (0, 0)");
   log.add("view 0000", 0, "nowhere");
   EXPECT_EQ(log.count(), 7u);
   EXPECT_EQ(log.first(), "view 0001: texel (1, 0)");
@@ -76,7 +77,8 @@ class DamagedBake {
     EXPECT_TRUE(bake(testing::groovedTile(), "grooves", folder_.path(), options).ok());
   }
   const std::filesystem::path& folder() const { return folder_.path(); }
-  void damage(const std::filesystem::path& file, PixelType type, const std::vector<std::pair<size_t, float>>& values) const {
+  void damage(const std::filesystem::path& file, PixelType type,
+              const std::vector<std::pair<size_t, float>>& values) const {
     Image image = *readImage(file);
     for (const auto& [index, value] : values) image.pixels[index] = value;
     ASSERT_TRUE(writeImage(file, image.width, image.height, image.channels, type, image.pixels).ok());
@@ -108,7 +110,8 @@ TEST(CookNonFinite, GeometryIsRefusedWithCountAndPlaceOrRepaired) {
   const auto sound = cook(*BakedOutput::open(bake.folder()), cookOptions(Mode::kSurface));
   ASSERT_TRUE(sound.ok()) << sound.issue().text;
   const size_t texel = 4 * (5 * 32 + 7);
-  bake.damage(surfacePath(bake.folder(), "geometry"), PixelType::kFloat, {{texel + 2, kNan}, {texel + 6, kInf}});
+  bake.damage(surfacePath(bake.folder(), "geometry"), PixelType::kFloat,
+              {{texel + 2, kNan}, {texel + 6, kInf}});
 
   const auto refused = cook(*BakedOutput::open(bake.folder()), cookOptions(Mode::kSurface));
   ASSERT_FALSE(refused.ok());
@@ -137,12 +140,15 @@ TEST(CookNonFinite, ChartThatIsNotFinite_IsNoSurface) {
 TEST(CookNonFinite, BtfIsRefusedWithCountAndPlaceOrRepaired) {
   const DamagedBake bake;
   // View 4: light 0 is the first cell of an atlas of 3 x 3 cells, 8 x 8 texels each.
-  bake.damage(btfPath(bake.folder(), 4), PixelType::kHalf, {{3 * (2 * 24 + 6), kNan}, {3 * (3 * 24 + 6) + 1, kInf}});
-  for (const Mode mode : {Mode::kLod, Mode::kFused, Mode::kSurface}) {  // surface: the mean is fitted to the BTF
+  bake.damage(btfPath(bake.folder(), 4), PixelType::kHalf,
+              {{3 * (2 * 24 + 6), kNan}, {3 * (3 * 24 + 6) + 1, kInf}});
+  for (const Mode mode :
+       {Mode::kLod, Mode::kFused, Mode::kSurface}) {  // surface: the mean is fitted to the BTF
     const auto refused = cook(*BakedOutput::open(bake.folder()), cookOptions(mode));
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.issue().id, issue_id::kNonFinite);
-    EXPECT_NE(refused.issue().text.find("view 4, the first at light 0, texel (6, 2)"), std::string::npos) << refused.issue().text;
+    EXPECT_NE(refused.issue().text.find("view 4, the first at light 0, texel (6, 2)"), std::string::npos)
+        << refused.issue().text;
     const auto log = std::make_shared<RepairLog>();
     const auto repaired = cook(*BakedOutput::open(bake.folder(), log), cookOptions(mode));
     ASSERT_TRUE(repaired.ok()) << repaired.issue().text;
@@ -156,7 +162,9 @@ TEST(CookNonFinite, BtfIsRefusedWithCountAndPlaceOrRepaired) {
 constexpr int kCells = 8;
 
 std::string waveWith(const std::string& position, const std::string& uv) {
-  std::string text = objGrid(kCells, [](glm::dvec2 q) { return glm::dvec3(q, 0.1 * std::sin(2 * kPi * q.x)); }, [](glm::dvec2 q) { return q; });
+  std::string text = objGrid(
+      kCells, [](glm::dvec2 q) { return glm::dvec3(q, 0.1 * std::sin(2 * kPi * q.x)); },
+      [](glm::dvec2 q) { return q; });
   // Line of vertex (4, 4), inside the tile: a "v" and a "vt" line per vertex.
   size_t at = 0;
   for (int line = 0; line < 2 * (4 * (kCells + 1) + 4); ++line) at = text.find('\n', at) + 1;
@@ -171,7 +179,8 @@ TEST(BakeNonFinite, VerticesAreRefusedWithCountAndPlaceOrRepaired) {
   const std::string sound = folder.write("sound.obj", waveWith("", ""));
   const auto expected = loadTile(sound);
   ASSERT_TRUE(expected.ok()) << expected.issue().text;
-  const std::vector<std::pair<std::string, std::string>> damages{{"0.5 nan 0", ""}, {"", "inf 0.5"}, {"nan nan nan", "nan nan"}};
+  const std::vector<std::pair<std::string, std::string>> damages{
+      {"0.5 nan 0", ""}, {"", "inf 0.5"}, {"nan nan nan", "nan nan"}};
   for (const auto& [position, uv] : damages) {
     const std::string path = folder.write("bad.obj", waveWith(position, uv));
     const auto refused = loadTile(path);
@@ -197,7 +206,9 @@ TEST(BakeNonFinite, TextureCoordinatesOfATexturedGltf_AreNoIndexIntoItsPicture) 
   const TemporaryFolder folder;
   nlohmann::ordered_json json = testing::gltfTile();
   // A 1 x 1 white PNG.
-  json["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8/5+hHgAHggJ/PchI7wAAAABJRU5ErkJggg=="}}};
+  json["images"] = {{{"uri",
+                      "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8/"
+                      "5+hHgAHggJ/PchI7wAAAABJRU5ErkJggg=="}}};
   json["textures"] = {{{"source", 0}}};
   json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
   ASSERT_TRUE(loadTile(folder.write("sound.gltf", json.dump()).string()).ok());

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "importer/trace/panorama_lights.h"
 #include "importer/base/random.h"
+#include "importer/trace/panorama_lights.h"
 #include "importer/trace/trace.h"
 #include "tests/unit/panoramas.h"
 
@@ -16,7 +16,8 @@ using test::panoramaOf;
 
 TEST(PanoramaLights, MeanOfWeightsIsTheIrradiance) {
   // Light (1 + z, 1, 1 + x): irradiance over pi on the plane z = 0 is 1 + 2/3, 1, 1.
-  const Panorama panorama = panoramaOf(64, [](const glm::dvec3& w) { return glm::vec3(1 + w.z, 1, 1 + w.x); });
+  const Panorama panorama =
+      panoramaOf(64, [](const glm::dvec3& w) { return glm::vec3(1 + w.z, 1, 1 + w.x); });
   const PanoramaLights lights(panorama);
   glm::dvec3 sum(0);
   constexpr int kSamples = 100000;

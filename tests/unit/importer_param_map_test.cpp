@@ -6,9 +6,9 @@
 
 #include "importer/bake/bake.h"
 #include "importer/bake/bake_scene.h"
-#include "importer/tile/charts.h"
-#include "importer/base/random.h"
 #include "importer/bake/surface_samples.h"
+#include "importer/base/random.h"
+#include "importer/tile/charts.h"
 #include "importer_meshes.h"
 
 namespace loden::importer {
@@ -58,7 +58,8 @@ double distanceTo(const Polygon& polygon, glm::dvec2 point) {
   double least = 1e300;
   for (size_t k = 0; k < polygon.size(); ++k) {
     const glm::dvec2 a = polygon[k], along = polygon[(k + 1) % polygon.size()] - a;
-    const double length = glm::dot(along, along), t = length > 0 ? std::clamp(glm::dot(point - a, along) / length, 0.0, 1.0) : 0;
+    const double length = glm::dot(along, along),
+                 t = length > 0 ? std::clamp(glm::dot(point - a, along) / length, 0.0, 1.0) : 0;
     least = std::min(least, glm::distance(point, a + t * along));
   }
   return least;
@@ -74,7 +75,8 @@ glm::dvec2 pointOf(const Tile& tile, const ParamSample& at) {
 Polygon randomTriangle(uint64_t k) {
   const auto random = [&](uint64_t n) { return uniform(100 + n, k); };
   const glm::dvec2 a(3 * random(0) - 1, 3 * random(1) - 1);
-  const double angle = 2 * kPi * random(2), length = std::pow(10, 2.5 * random(3) - 2), width = length * std::pow(10, -4 * random(4));
+  const double angle = 2 * kPi * random(2), length = std::pow(10, 2.5 * random(3) - 2),
+               width = length * std::pow(10, -4 * random(4));
   const glm::dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
   const glm::dvec2 b = a + length * along, c = a + length * random(5) * along + width * across;
   return random(6) < 0.5 ? Polygon{a, b, c} : Polygon{a, c, b};
@@ -101,11 +103,16 @@ TEST(CoverParams, CoversTheCellsThatATriangleOverlapsAndNoOther) {
             const glm::dvec2 cell = glm::dvec2(i, j) + glm::dvec2(x, y) * double(n);
             const Polygon part = clipped(corners, cell);
             if (part.empty()) continue;
-            area = std::max(area, areaOf(part)), distance = std::min(distance, distanceTo(part, cell + position));
+            area = std::max(area, areaOf(part)),
+            distance = std::min(distance, distanceTo(part, cell + position));
           }
         // Between: the clipping's rounding, and overlaps less than 1e-9 deep.
-        if (area > 1e-8) { ASSERT_TRUE(at.covered()) << k << ": " << i << ' ' << j; }
-        if (area < 1e-13) { ASSERT_FALSE(at.covered()) << k << ": " << i << ' ' << j; }
+        if (area > 1e-8) {
+          ASSERT_TRUE(at.covered()) << k << ": " << i << ' ' << j;
+        }
+        if (area < 1e-13) {
+          ASSERT_FALSE(at.covered()) << k << ": " << i << ' ' << j;
+        }
         if (!at.covered()) continue;
         ASSERT_TRUE(at.b.x >= -1e-6f && at.b.y >= -1e-6f && at.b.x + at.b.y <= 1 + 1e-6f);  // floats
         const ParamSample& point = points[size_t(j * n + i)];
@@ -118,8 +125,11 @@ TEST(CoverParams, CoversTheCellsThatATriangleOverlapsAndNoOther) {
         glm::dvec2 off = pointOf(tile, at) * double(n) - glm::dvec2(i, j) - position;
         off -= glm::round((off + position - 0.5) / double(n)) * double(n);
         const glm::dvec2 in_cell = off + position;
-        const double slack = 1e-5 * (1 + n * glm::distance(tile.params[0], tile.params[1]));  // weights are floats
-        ASSERT_TRUE(in_cell.x > -slack && in_cell.y > -slack && in_cell.x < 1 + slack && in_cell.y < 1 + slack) << in_cell.x << ' ' << in_cell.y;
+        const double slack =
+            1e-5 * (1 + n * glm::distance(tile.params[0], tile.params[1]));  // weights are floats
+        ASSERT_TRUE(in_cell.x > -slack && in_cell.y > -slack && in_cell.x < 1 + slack &&
+                    in_cell.y < 1 + slack)
+            << in_cell.x << ' ' << in_cell.y;
         ASSERT_NEAR(glm::length(off), distance, slack) << k;
       }
   }
@@ -143,7 +153,8 @@ TEST(CoverParams, DoesNotCountWhatOnlyTouchesACell) {
   const Tile tile = triangles({low, {high.x, low.y}, high, low, high, {low.x, high.y}});
   const auto cells = coverParams(tile, n, glm::dvec2(0.5));
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) EXPECT_EQ(cells[size_t(j * n + i)].covered(), j == 3 && (i == 2 || i == 3)) << i << ' ' << j;
+    for (int i = 0; i < n; ++i)
+      EXPECT_EQ(cells[size_t(j * n + i)].covered(), j == 3 && (i == 2 || i == 3)) << i << ' ' << j;
 }
 
 TEST(CoverParams, GivesACellThatTwoChartsTouchToTheNearer) {
@@ -152,13 +163,15 @@ TEST(CoverParams, GivesACellThatTwoChartsTouchToTheNearer) {
   const auto right = [](double reach) { return Polygon{{0.65, 0.1}, {0.65, 0.65}, {reach, 0.375}}; };
   const auto winner = [&](Polygon first, const Polygon& second) {
     first.insert(first.end(), second.begin(), second.end());
-    return coverParams(triangles(first), n, glm::dvec2(0.5))[size_t(1 * n + 1)].triangle;  // of [0.25, 0.5]^2, its centre at 0.375
+    return coverParams(triangles(first), n, glm::dvec2(0.5))[size_t(1 * n + 1)]
+        .triangle;  // of [0.25, 0.5]^2, its centre at 0.375
   };
   EXPECT_EQ(winner(left(0.35), right(0.42)), 0u);
   EXPECT_EQ(winner(right(0.42), left(0.35)), 1u);
   EXPECT_EQ(winner(left(0.31), right(0.42)), 1u);
   EXPECT_EQ(winner(right(0.42), left(0.31)), 0u);
-  EXPECT_EQ(winner(left(0.38), right(0.376)), 0u);  // both hold the centre, or not: the first that does counts
+  EXPECT_EQ(winner(left(0.38), right(0.376)),
+            0u);  // both hold the centre, or not: the first that does counts
 }
 
 // The point is one of the surface, whatever its triangles.
@@ -169,22 +182,29 @@ TEST(CoverParams, DoesNotDependOnHowAChartIsTriangulated) {
   const auto one = coverParams(two, n, glm::dvec2(0.5)), other = coverParams(four, n, glm::dvec2(0.5));
   for (size_t t = 0; t < one.size(); ++t) {
     ASSERT_EQ(one[t].covered(), other[t].covered());
-    if (one[t].covered()) { ASSERT_LT(glm::distance(pointOf(two, one[t]), pointOf(four, other[t])), 1e-6); }  // weights are floats
+    if (one[t].covered()) {
+      ASSERT_LT(glm::distance(pointOf(two, one[t]), pointOf(four, other[t])), 1e-6);
+    }  // weights are floats
   }
 }
 
 TEST(CoverParams, TrianglesWithoutAreaOverlapNothing) {
-  for (const Polygon& corners : {Polygon(3, glm::dvec2(0.3)), Polygon{{0.125, 0.125}, {0.75, 0.75}, {0.25, 0.25}}, Polygon{{0.5, 0}, {0.5, 0}, {0.5, 1}}})
-    for (const ParamSample& at : coverParams(triangles(corners), 8, glm::dvec2(0.5))) EXPECT_FALSE(at.covered());
+  for (const Polygon& corners :
+       {Polygon(3, glm::dvec2(0.3)), Polygon{{0.125, 0.125}, {0.75, 0.75}, {0.25, 0.25}},
+        Polygon{{0.5, 0}, {0.5, 0}, {0.5, 1}}})
+    for (const ParamSample& at : coverParams(triangles(corners), 8, glm::dvec2(0.5)))
+      EXPECT_FALSE(at.covered());
   // As near to that as it gets.
-  for (const ParamSample& at : coverParams(triangles({{0.1, 0.1}, {0.9, 0.2}, {0.5, 0.15 + 1e-17}}), 8, glm::dvec2(0.5)))
+  for (const ParamSample& at :
+       coverParams(triangles({{0.1, 0.1}, {0.9, 0.2}, {0.5, 0.15 + 1e-17}}), 8, glm::dvec2(0.5)))
     EXPECT_TRUE(std::isfinite(at.b.x) && std::isfinite(at.b.y));
 }
 
 TEST(CoverParams, IsLocateParamsWhereEverySampleIsCovered) {
   for (const char* name : {"isba", "sponge"}) {
     const Tile tile = *builtinTile(name, 24);
-    const auto points = locateParams(tile, 32, glm::dvec2(0.5)), cells = coverParams(tile, 32, glm::dvec2(0.5));
+    const auto points = locateParams(tile, 32, glm::dvec2(0.5)),
+               cells = coverParams(tile, 32, glm::dvec2(0.5));
     for (size_t t = 0; t < cells.size(); ++t) {
       ASSERT_TRUE(points[t].covered());
       ASSERT_TRUE(points[t].triangle == cells[t].triangle && points[t].b == cells[t].b) << t;
@@ -194,7 +214,15 @@ TEST(CoverParams, IsLocateParamsWhereEverySampleIsCovered) {
 
 TEST(GutterOf, SeesAChartNarrowerThanItsCells) {
   const double x = (100 + 0.7) / 256;
-  const Tile tile = triangles({{0.1, 0.2}, {0.2, 0.2}, {0.2, 0.8}, {x, 0.2}, {x + 1e-4, 0.2}, {x, 0.8}, {0.6, 0.2}, {0.7, 0.2}, {0.6, 0.8}});
+  const Tile tile = triangles({{0.1, 0.2},
+                               {0.2, 0.2},
+                               {0.2, 0.8},
+                               {x, 0.2},
+                               {x + 1e-4, 0.2},
+                               {x, 0.8},
+                               {0.6, 0.2},
+                               {0.7, 0.2},
+                               {0.6, 0.8}});
   EXPECT_NEAR(gutterOf(tile), x - 0.2, 2.0 / 256);  // whole cells between cells that are touched
   EXPECT_LE(gutterOf(tile), x - 0.2);
 }
@@ -210,7 +238,8 @@ TEST(GutterOf, IsWhatASquareBridgesAcrossCorners) {
   }
 }
 
-// Every texel that a yarn overlaps has samples; one at the nearest point where none lies under the texel's own.
+// Every texel that a yarn overlaps has samples; one at the nearest point where none lies under the texel's
+// own.
 TEST(SurfaceSamples, AreThereWhereverAYarnOverlapsATexel) {
   constexpr int n = 32;
   const Tile tile = *builtinTile("weave", 48);
@@ -230,8 +259,10 @@ TEST(SurfaceSamples, AreThereWhereverAYarnOverlapsATexel) {
     empty += count == 0, between += count > located;
     for (size_t s = surface.first(t); s < surface.end(t); ++s) {
       const glm::dvec2 expected = pointOf(tile, {surface[s].triangle, surface[s].b}) * double(n);
-      EXPECT_LT(glm::distance(glm::dvec2(int(t) % n, int(t) / n) + surface[s].place, expected), 1e-4);  // weights are floats
-      for (int c = 0; c < 3; ++c) EXPECT_TRUE(std::isfinite(surface[s].origin[c]) && std::isfinite(surface[s].normal[c]));
+      EXPECT_LT(glm::distance(glm::dvec2(int(t) % n, int(t) / n) + surface[s].place, expected),
+                1e-4);  // weights are floats
+      for (int c = 0; c < 3; ++c)
+        EXPECT_TRUE(std::isfinite(surface[s].origin[c]) && std::isfinite(surface[s].normal[c]));
       EXPECT_EQ(tile.charts[surface[s].triangle], surface.owners()[t]);
     }
   }
@@ -261,7 +292,8 @@ TEST(Bake, TheGeometryImageIsOfTheChartThatOverlapsIt) {
   }
   EXPECT_GT(between, 20);
   const BakedOutput::Surface surface = *output.surface();
-  for (const glm::vec3& normal : surface.normal) ASSERT_TRUE(std::isfinite(normal.x) && std::isfinite(normal.y) && std::isfinite(normal.z));
+  for (const glm::vec3& normal : surface.normal)
+    ASSERT_TRUE(std::isfinite(normal.x) && std::isfinite(normal.y) && std::isfinite(normal.z));
 }
 
 TEST(ExtendParams, LooksThroughTrianglesWithoutArea) {
@@ -269,13 +301,16 @@ TEST(ExtendParams, LooksThroughTrianglesWithoutArea) {
   Tile tile = triangles({{0.2, 0.2}, {0.5, 0.2}, {0.5, 0.6}, {0.5, 0.2}, {0.5, 0.4}, {0.5, 0.6}});
   tile.charts = {1, 1};
   for (const ParamExtension& cell : extendParams(tile, 16, 2))
-    if (cell.exists()) { EXPECT_EQ(cell.triangle, 0u); }
+    if (cell.exists()) {
+      EXPECT_EQ(cell.triangle, 0u);
+    }
   EXPECT_EQ(extendParams(tile, 16, 2)[6 * 16 + 8].triangle, 0u);  // half a cell to the right of the cap
 }
 
 // Hills in four charts that stand obliquely in p, so that all seams are in view.
 Tile quarters(int n) {
-  Tile tile = testing::heightFieldTile(2 * n, [](glm::dvec2 p) { return 0.06 * std::cos(6 * kPi * p.x) * std::cos(6 * kPi * p.y) - 0.06; });
+  Tile tile = testing::heightFieldTile(
+      2 * n, [](glm::dvec2 p) { return 0.06 * std::cos(6 * kPi * p.x) * std::cos(6 * kPi * p.y) - 0.06; });
   const Tile whole = std::move(tile);
   tile = {};
   const double c = std::cos(0.35), s = std::sin(0.35);
@@ -286,8 +321,10 @@ Tile quarters(int n) {
         const size_t v = size_t(chart / 2 * n + j) * size_t(2 * n + 1) + size_t(chart % 2 * n + i);
         const glm::dvec2 q = 0.3 * (glm::dvec2(i, j) / double(n) - 0.5);
         tile.positions.push_back(whole.positions[v]), tile.normals.push_back(whole.normals[v]);
-        tile.params.push_back(glm::dvec2(chart % 2, chart / 2) * 0.5 + 0.25 + glm::dvec2(c * q.x - s * q.y, s * q.x + c * q.y));
-        tile.brdfs.push_back({glm::vec3(0.5f + 0.4f * float(std::sin(10 * kPi * tile.positions.back().x))), 0, 1});
+        tile.params.push_back(glm::dvec2(chart % 2, chart / 2) * 0.5 + 0.25 +
+                              glm::dvec2(c * q.x - s * q.y, s * q.x + c * q.y));
+        tile.brdfs.push_back(
+            {glm::vec3(0.5f + 0.4f * float(std::sin(10 * kPi * tile.positions.back().x))), 0, 1});
       }
     for (uint32_t j = 0; j < uint32_t(n); ++j)
       for (uint32_t i = 0; i < uint32_t(n); ++i) {
@@ -326,7 +363,8 @@ TEST(Bake, ATexelThatASeamCutsIsCloserThanItsFillWouldBe) {
   const auto visible = *output.visibleView(kAbove);
   const TexelPoints points = locateTexels(tile, n, per_side);
   std::vector<std::vector<ParamSample>> fine;
-  for (int k = 0; k < kFine * kFine; ++k) fine.push_back(locateParams(tile, n, (glm::dvec2(k % kFine, k / kFine) + 0.5) / double(kFine)));
+  for (int k = 0; k < kFine * kFine; ++k)
+    fine.push_back(locateParams(tile, n, (glm::dvec2(k % kFine, k / kFine) + 0.5) / double(kFine)));
   std::vector<float> weights(size_t(n * n));
   for (size_t t = 0; t < weights.size(); ++t) weights[t] = points.between[t].covered() ? 0 : visible[t];
   const HoleFill fill(FillMethod::kPushPull, n, weights, ownersOf(tile, n, points));
@@ -342,7 +380,9 @@ TEST(Bake, ATexelThatASeamCutsIsCloserThanItsFillWouldBe) {
       int count = 0;
       for (const auto& samples : fine)
         if (samples[t].covered())
-          mean += shadeHit(tracer, tracer.pointOn(samples[t].triangle, glm::dvec2(samples[t].b)), directions[l], directions[kAbove], 0, 0), ++count;
+          mean += shadeHit(tracer, tracer.pointOn(samples[t].triangle, glm::dvec2(samples[t].b)),
+                           directions[l], directions[kAbove], 0, 0),
+              ++count;
       if (count == 0) continue;
       ++seams;
       mean /= count;
@@ -358,7 +398,8 @@ TEST(Bake, ATexelThatASeamCutsIsCloserThanItsFillWouldBe) {
 TEST(Bake, AChartNarrowerThanASampleIsInTheFlatMap) {
   constexpr int n = 32;
   Tile tile;
-  const auto add = [&](glm::dvec2 low, glm::dvec2 high, double z, glm::dvec2 p_low, glm::dvec2 p_high, float albedo) {
+  const auto add = [&](glm::dvec2 low, glm::dvec2 high, double z, glm::dvec2 p_low, glm::dvec2 p_high,
+                       float albedo) {
     const auto first = uint32_t(tile.positions.size());
     for (int c = 0; c < 4; ++c) {
       const glm::dvec2 q(c % 2, c / 2);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <set>
 
-#include "importer/tile/charts.h"
 #include "importer/mesh/segment.h"
+#include "importer/tile/charts.h"
 #include "importer/tile/tile_tracer.h"
 #include "importer_meshes.h"
 #include "material/base/issues.h"
@@ -42,7 +42,8 @@ Tile tubeOverPlane(double radius = 0.15, int around = 24, int along = 32) {
   for (int j = 0; j <= along; ++j)
     for (int i = 0; i <= around; ++i) {
       const double angle = 2 * kPi * (i % around) / around;
-      tile.positions.push_back({0.5 + radius * std::sin(angle), double(j) / along, radius * std::cos(angle) - radius});
+      tile.positions.push_back(
+          {0.5 + radius * std::sin(angle), double(j) / along, radius * std::cos(angle) - radius});
       tile.normals.push_back({std::sin(angle), 0, std::cos(angle)});
       tile.params.push_back({0, 0});
       tile.brdfs.push_back({});
@@ -62,7 +63,8 @@ void expectCharts(const Tile& tile, size_t pieces) {
   EXPECT_TRUE(isAtlas(tile.params, tile.triangles));
   EXPECT_GE(gutterOf(tile), 1.0 / 128 - 1.0 / 256);
   for (const glm::uvec3& t : tile.triangles)
-    for (int k = 0; k < 3; ++k) ASSERT_LT(glm::distance(tile.positions[t[k]], tile.positions[t[(k + 1) % 3]]), 0.5);  // in one piece
+    for (int k = 0; k < 3; ++k)
+      ASSERT_LT(glm::distance(tile.positions[t[k]], tile.positions[t[(k + 1) % 3]]), 0.5);  // in one piece
 }
 
 TEST(TileCharts, SeparateOpenYarnsGetOneChartEach) {
@@ -75,7 +77,8 @@ TEST(TileCharts, SeparateOpenYarnsGetOneChartEach) {
   // The same surface: rays from above meet it at the same heights.
   const TileTracer ours(*tile), theirs(weave);
   int off = 0;
-  const glm::dvec2 moved = glm::dvec2(tile->positions[tile->triangles[0].x]) - glm::dvec2(weave.positions[weave.triangles[0].x]);
+  const glm::dvec2 moved =
+      glm::dvec2(tile->positions[tile->triangles[0].x]) - glm::dvec2(weave.positions[weave.triangles[0].x]);
   for (int k = 0; k < 1000; ++k) {
     const glm::dvec2 x(0.618034 * k, 0.754878 * k);
     const auto a = ours.intersectView(x + moved, {0, 0, 1}), b = theirs.intersectView(x, {0, 0, 1});
@@ -99,7 +102,9 @@ TEST(TileCharts, KeepAnAtlasThatTheFileHas) {
   ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
   ASSERT_EQ(tile->triangles.size(), weave.triangles.size());
   for (size_t t = 0; t < weave.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) ASSERT_LT(glm::distance(tile->params[tile->triangles[t][k]], weave.params[weave.triangles[t][k]]), 1e-12);
+    for (int k = 0; k < 3; ++k)
+      ASSERT_LT(glm::distance(tile->params[tile->triangles[t][k]], weave.params[weave.triangles[t][k]]),
+                1e-12);
   EXPECT_EQ(tile->charts, weave.charts);
 }
 
@@ -135,8 +140,11 @@ TEST(IsFlat, SeesABorderThatCrossesItself) {
     std::vector<glm::uvec3> triangles;
     for (uint32_t k = 0; k <= 40; ++k) {
       const double angle = turn * k / 40;
-      for (const double radius : {1.0, 0.5}) params.push_back(radius * glm::dvec2(std::sin(angle), std::cos(angle)));
-      if (k < 40) triangles.push_back({2 * k, 2 * k + 1, 2 * k + 3}), triangles.push_back({2 * k, 2 * k + 3, 2 * k + 2});
+      for (const double radius : {1.0, 0.5})
+        params.push_back(radius * glm::dvec2(std::sin(angle), std::cos(angle)));
+      if (k < 40)
+        triangles.push_back({2 * k, 2 * k + 1, 2 * k + 3}),
+            triangles.push_back({2 * k, 2 * k + 3, 2 * k + 2});
     }
     for (glm::uvec3& t : triangles) std::swap(t.y, t.z);
     if (!isFlat(std::span(params).first(4), std::span(triangles).first(2)))

@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "importer/bake/bake_folder.h"
-#include "importer/trace/bent_tiles.h"
 #include "importer/tile/tile_tracer.h"
+#include "importer/trace/bent_tiles.h"
 #include "importer_meshes.h"
-#include "material/model/color.h"
 #include "material/base/issues.h"
+#include "material/model/color.h"
 
 namespace loden::importer {
 namespace {
@@ -19,17 +19,28 @@ using testing::gltfTile;
 using testing::objGrid;
 using testing::TemporaryFolder;
 
-// PNGs of 2 x 1 texels in RGB, as 8-bit codes.
-constexpr const char* kRedGreen = "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAAD0lEQVR42mP4z8DA8J8BAAf/Af+4BDXgAAAAAElFTkSuQmCC";
-constexpr const char* kRedAlmostGreen = "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAAD0lEQVR42mP4z8DA8I8BAAf9Af6rWU3WAAAAAElFTkSuQmCC";  // 255 0 0, 0 254 0
-constexpr const char* kSmoothMetal = "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAADUlEQVR42mNgAIKG/wACBgGASGE4LAAAAABJRU5ErkJggg==";  // 0 0 0, 0 128 255
-constexpr const char* kWide = "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABEAIAAAAr0DSeAAAAEElEQVR42mP4/58BDBqAGAAY9gJ/mPSaoAAAAABJRU5ErkJggg==";  // 16 bit: 65535 0 0, 0 32768 0
+// PNGs of 2 x 1 texels in RGB; the codes stand above each.
+// 255 0 0, 0 255 0
+constexpr const char* kRedGreen =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAAD0lEQVR42mP4z8DA8J8BAAf/Af+4BDXgAAAAAElFTkSuQmCC";
+// 255 0 0, 0 254 0
+constexpr const char* kRedAlmostGreen =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAAD0lEQVR42mP4z8DA8I8BAAf9Af6rWU3WAAAAAElFTkSuQmCC";
+// 0 0 0, 0 128 255
+constexpr const char* kSmoothMetal =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAADUlEQVR42mNgAIKG/wACBgGASGE4LAAAAABJRU5ErkJggg==";
+// 16 bit: 65535 0 0, 0 32768 0
+constexpr const char* kWide =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABEAIAAAAr0DSeAAAAEElEQVR42mP4/58BDBqAGAAY9gJ/mPSaoAAAAABJRU5ErkJggg==";
 
 constexpr int kNearest = 9728, kRepeat = 10497, kClamp = 33071, kMirror = 33648;  // glTF's own numbers
 
-Json gltfSampler(int filter, int wrap) { return {{"magFilter", filter}, {"wrapS", wrap}, {"wrapT", wrap}}; }
+Json gltfSampler(int filter, int wrap) {
+  return {{"magFilter", filter}, {"wrapS", wrap}, {"wrapT", wrap}};
+}
 
-void addTexture(Json& json, const char* png, const Json& sampler, const char* member, const Json& info = Json::object()) {
+void addTexture(Json& json, const char* png, const Json& sampler, const char* member,
+                const Json& info = Json::object()) {
   const auto index = json.contains("textures") ? json["textures"].size() : size_t(0);
   json["images"].push_back({{"uri", std::string("data:image/png;base64,") + png}});
   json["samplers"].push_back(sampler);
@@ -46,14 +57,16 @@ Json checkerTile(const Json& sampler = gltfSampler(kNearest, kRepeat), const Jso
   return json;
 }
 
-// Vertices with two sets of texture coordinates, v up in the first as in OBJ files: the tile's parameters are u, v.
+// Vertices with two sets of texture coordinates, v up in the first as in OBJ files: the tile's parameters are
+// u, v.
 struct Vertex {
   glm::vec3 position;  // z up
   glm::vec2 params, picture;
 };
 
 // The checker on these triangles, laid out by TEXCOORD_1.
-Json meshTile(const std::vector<Vertex>& vertices, const std::vector<uint32_t>& corners, bool with_params = true) {
+Json meshTile(const std::vector<Vertex>& vertices, const std::vector<uint32_t>& corners,
+              bool with_params = true) {
   Json json = checkerTile(gltfSampler(kNearest, kRepeat), {{"texCoord", 1}});
   std::string bytes;
   const auto view = [&](const void* data, size_t size) {
@@ -70,19 +83,22 @@ Json meshTile(const std::vector<Vertex>& vertices, const std::vector<uint32_t>& 
   view(positions.data(), positions.size() * sizeof(glm::vec3));
   for (const auto& set : sets) view(set.data(), set.size() * sizeof(glm::vec2));
   view(corners.data(), corners.size() * sizeof(uint32_t));
-  json["accessors"] = {{{"bufferView", 0}, {"componentType", 5126}, {"count", vertices.size()}, {"type", "VEC3"}},
-                       {{"bufferView", 1}, {"componentType", 5126}, {"count", vertices.size()}, {"type", "VEC2"}},
-                       {{"bufferView", 2}, {"componentType", 5126}, {"count", vertices.size()}, {"type", "VEC2"}},
-                       {{"bufferView", 3}, {"componentType", 5125}, {"count", corners.size()}, {"type", "SCALAR"}}};
+  json["accessors"] = {
+      {{"bufferView", 0}, {"componentType", 5126}, {"count", vertices.size()}, {"type", "VEC3"}},
+      {{"bufferView", 1}, {"componentType", 5126}, {"count", vertices.size()}, {"type", "VEC2"}},
+      {{"bufferView", 2}, {"componentType", 5126}, {"count", vertices.size()}, {"type", "VEC2"}},
+      {{"bufferView", 3}, {"componentType", 5125}, {"count", corners.size()}, {"type", "SCALAR"}}};
   json["meshes"][0]["primitives"][0]["attributes"] = {{"POSITION", 0}, {"TEXCOORD_1", 2}};
   if (with_params) json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 1;
   json["meshes"][0]["primitives"][0]["indices"] = 3;
-  json["buffers"] = {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
+  json["buffers"] = {
+      {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
   return json;
 }
 
 // A grid whose left and right halves share no vertices; `picture` of position and half.
-void addGrid(int n, float height, const std::function<glm::vec2(glm::vec2, int)>& picture, std::vector<Vertex>& vertices, std::vector<uint32_t>& corners) {
+void addGrid(int n, float height, const std::function<glm::vec2(glm::vec2, int)>& picture,
+             std::vector<Vertex>& vertices, std::vector<uint32_t>& corners) {
   for (int half = 0; half < 2; ++half) {
     const auto first = uint32_t(vertices.size()), row = uint32_t(n / 2 + 1);
     for (int j = 0; j <= n; ++j)
@@ -113,7 +129,9 @@ glm::vec3 colorBelow(const Json& json, glm::dvec2 x) {
   return tile ? brdfBelow(*tile, x).diffuse : glm::vec3(std::nanf(""));
 }
 constexpr float kRounding = 1e-6f;  // of a few float operations on values up to 1
-void expectColor(const glm::vec3& color, const glm::vec3& expected) { EXPECT_LT(glm::distance(color, expected), kRounding) << color.r << ' ' << color.g << ' ' << color.b; }
+void expectColor(const glm::vec3& color, const glm::vec3& expected) {
+  EXPECT_LT(glm::distance(color, expected), kRounding) << color.r << ' ' << color.g << ' ' << color.b;
+}
 const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0);
 
 TEST(TileTexture, TwoTexelsOnOneQuadMeetAtASharpEdge) {
@@ -171,25 +189,31 @@ TEST(TileTexture, MetalAndRoughnessAreReadAtTheHit) {
 
 TEST(TileTexture, FollowsTextureTransformAndSet) {
   const auto with = [](const Json& transform) {
-    Json json = checkerTile(gltfSampler(kNearest, kRepeat), {{"extensions", {{"KHR_texture_transform", transform}}}});
+    Json json =
+        checkerTile(gltfSampler(kNearest, kRepeat), {{"extensions", {{"KHR_texture_transform", transform}}}});
     json["extensionsUsed"] = json["extensionsRequired"] = {"KHR_texture_transform"};
     return json;
   };
   expectColor(colorBelow(with(Json::object()), {0.3, 0.1}), kRed);
   expectColor(colorBelow(with({{"offset", {0.5, 0}}}), {0.3, 0.1}), kGreen);
   expectColor(colorBelow(with({{"scale", {2, 1}}}), {0.3, 0.1}), kGreen);
-  // A quarter turn: u' = v, v' = -u, with v = 1 - y (as in Blender, Babylon and Khronos' TextureTransformTest).
+  // A quarter turn: u' = v, v' = -u, with v = 1 - y (as in Blender, Babylon and Khronos'
+  // TextureTransformTest).
   expectColor(colorBelow(with({{"rotation", kPi / 2}}), {0.3, 0.9}), kRed);
   expectColor(colorBelow(with({{"rotation", kPi / 2}}), {0.7, 0.1}), kGreen);
   // Scaled first, then turned, then moved: u' = 2 v + .75.
-  expectColor(colorBelow(with({{"rotation", kPi / 2}, {"scale", {1, 2}}, {"offset", {0.75, 0}}}), {0.3, 0.95}), kGreen);
-  expectColor(colorBelow(with({{"rotation", kPi / 2}, {"scale", {1, 2}}, {"offset", {0.75, 0}}}), {0.3, 0.8}), kRed);
+  expectColor(
+      colorBelow(with({{"rotation", kPi / 2}, {"scale", {1, 2}}, {"offset", {0.75, 0}}}), {0.3, 0.95}),
+      kGreen);
+  expectColor(colorBelow(with({{"rotation", kPi / 2}, {"scale", {1, 2}}, {"offset", {0.75, 0}}}), {0.3, 0.8}),
+              kRed);
 
   Json json = with({{"texCoord", 1}});  // in place of set 0
   EXPECT_EQ(load(json).issue().id, issue_id::kGltfAccessor);
   json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = 1;
   expectColor(colorBelow(json, {0.3, 0.1}), kRed);
-  for (const Json& bad : {Json{{"offset", {1}}}, Json{{"scale", "wide"}}, Json{{"rotation", "left"}}, Json{{"scale", {1e30, 1}}}, Json{{"texCoord", -1}}})
+  for (const Json& bad : {Json{{"offset", {1}}}, Json{{"scale", "wide"}}, Json{{"rotation", "left"}},
+                          Json{{"scale", {1e30, 1}}}, Json{{"texCoord", -1}}})
     EXPECT_EQ(load(with(bad)).issue().id, issue_id::kTileMaterial) << bad;
 }
 
@@ -198,7 +222,8 @@ TEST(TileTexture, WrapsAsItsSamplerSays) {
   const auto row = [&](TileTexture::Wrap wrap) {
     texture.wrap_u = texture.wrap_v = wrap;
     std::string colors;
-    for (const double u : {-0.75, -0.25, 0.25, 0.75, 1.25, 1.75, 2.25}) colors += sampleTexture(texture, {u, -7.3}) == kRed ? 'r' : 'g';
+    for (const double u : {-0.75, -0.25, 0.25, 0.75, 1.25, 1.75, 2.25})
+      colors += sampleTexture(texture, {u, -7.3}) == kRed ? 'r' : 'g';
     return colors;
   };
   EXPECT_EQ(row(TileTexture::Wrap::kRepeat), "rgrgrgr");
@@ -222,7 +247,9 @@ TEST(TileTexture, StaysWhereItIsWhenTheMeshIsSubdivided) {
   std::vector<Vertex> vertices;
   std::vector<uint32_t> corners;
   // Three pictures to the left; to the right they run the other way: a seam within the surface.
-  addGrid(4, 0, [](glm::vec2 q, int half) { return glm::vec2(half == 0 ? 3 * q.x : 5 - 3 * q.x, q.y); }, vertices, corners);
+  addGrid(
+      4, 0, [](glm::vec2 q, int half) { return glm::vec2(half == 0 ? 3 * q.x : 5 - 3 * q.x, q.y); }, vertices,
+      corners);
   const auto tile = load(meshTile(vertices, corners), {2});
   ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
   EXPECT_EQ(tile->triangles.size(), 2u * 16 * 16);
@@ -237,11 +264,14 @@ TEST(TileTexture, StaysWhereItIsWhenTheMeshIsSubdivided) {
 }
 
 TEST(TileTexture, StaysWhereItIsWhenAnOpenEdgeIsSplit) {
-  // The triangle below the diagonal has a vertex of its neighbours on its long edge, and coordinates of its own.
+  // The triangle below the diagonal has a vertex of its neighbours on its long edge, and coordinates of its
+  // own.
   const glm::vec2 off(3.5f, 0);
   std::vector<Vertex> vertices;
-  for (const glm::vec2 q : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1)}) vertices.push_back({{q, 0}, q, q + off});
-  for (const glm::vec2 q : {glm::vec2(0, 0), glm::vec2(0.25, 0.25), glm::vec2(1, 1), glm::vec2(0, 1)}) vertices.push_back({{q, 0}, q, q});
+  for (const glm::vec2 q : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1)})
+    vertices.push_back({{q, 0}, q, q + off});
+  for (const glm::vec2 q : {glm::vec2(0, 0), glm::vec2(0.25, 0.25), glm::vec2(1, 1), glm::vec2(0, 1)})
+    vertices.push_back({{q, 0}, q, q});
   const auto tile = load(meshTile(vertices, {0, 1, 2, 3, 4, 6, 4, 5, 6}));
   ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
   EXPECT_EQ(tile->triangles.size(), 4u);
@@ -279,7 +309,9 @@ TEST(TileTexture, IsPartOfTheTilesHash) {
   json["images"][0]["uri"] = std::string("data:image/png;base64,") + kRedAlmostGreen;
   EXPECT_NE(hash(json), checker);
   EXPECT_NE(hash(checkerTile(gltfSampler(kNearest, kClamp))), checker);
-  EXPECT_NE(hash(checkerTile(gltfSampler(kNearest, kRepeat), {{"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0}}}}}}})), checker);
+  EXPECT_NE(hash(checkerTile(gltfSampler(kNearest, kRepeat),
+                             {{"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0}}}}}}})),
+            checker);
   json = checkerTile();
   json["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
   EXPECT_NE(hash(json), checker);
@@ -314,8 +346,12 @@ TEST(TileMaterialWarnings, NameWhatIsNotBakedOnceEach) {
   json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 0;
   const auto tile = load(json);
   ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
-  for (const char* what : {"normalTexture", "occlusionTexture", "emissive", "alphaMode MASK", "KHR_materials_sheen", "COLOR_0"})
-    EXPECT_EQ(std::count_if(tile->warnings.begin(), tile->warnings.end(), [&](const Issue& issue) { return issue.text.find(what) != std::string::npos; }), 1) << what;
+  for (const char* what :
+       {"normalTexture", "occlusionTexture", "emissive", "alphaMode MASK", "KHR_materials_sheen", "COLOR_0"})
+    EXPECT_EQ(std::count_if(tile->warnings.begin(), tile->warnings.end(),
+                            [&](const Issue& issue) { return issue.text.find(what) != std::string::npos; }),
+              1)
+        << what;
   for (const Issue& issue : tile->warnings) {
     EXPECT_EQ(issue.severity, Severity::kWarning);
     EXPECT_NE(issue.where.find("'Linen'"), std::string::npos) << issue.where;
@@ -330,8 +366,9 @@ TEST(TileMaterialRanges, AreThoseOfGltf) {
     const auto tile = load(json);
     return tile.ok() ? Issue{} : tile.issue();
   };
-  const std::pair<const char*, Json> bad[] = {{"metallicFactor", -3}, {"metallicFactor", 1.5}, {"roughnessFactor", -2}, {"roughnessFactor", 2},
-                                              {"baseColorFactor", {5, 0, 0, 1}}, {"baseColorFactor", {0, -0.5, 0, 1}}};
+  const std::pair<const char*, Json> bad[] = {
+      {"metallicFactor", -3}, {"metallicFactor", 1.5},           {"roughnessFactor", -2},
+      {"roughnessFactor", 2}, {"baseColorFactor", {5, 0, 0, 1}}, {"baseColorFactor", {0, -0.5, 0, 1}}};
   for (const auto& [member, value] : bad) {
     const Issue issue = refusal(member, value);
     EXPECT_EQ(issue.id, issue_id::kTileMaterial) << member << value;
@@ -340,25 +377,33 @@ TEST(TileMaterialRanges, AreThoseOfGltf) {
   }
   EXPECT_EQ(refusal("baseColorFactor", {0.5, 0.5, 0.5}).id, issue_id::kGltfParse);  // without its alpha
   EXPECT_NE(refusal("metallicFactor", -3).text.find("-3"), std::string::npos);
-  for (const auto& [member, value] : {std::pair<const char*, Json>("metallicFactor", 1), {"roughnessFactor", 0}, {"baseColorFactor", {1, 0, 1, 1}}})
+  for (const auto& [member, value] : {std::pair<const char*, Json>("metallicFactor", 1),
+                                      {"roughnessFactor", 0},
+                                      {"baseColorFactor", {1, 0, 1, 1}}})
     EXPECT_EQ(refusal(member, value).id, 0) << member;
 }
 
 TEST(TileMaterialRanges, AreCheckedInObjFilesToo) {
   const TemporaryFolder folder;
-  const std::string path = folder.write("t.obj", "mtllib m.mtl\nusemtl cloth\n" + objGrid(2, [](glm::dvec2 q) { return glm::dvec3(q, 0); }, [](glm::dvec2 q) { return q; }));
+  const std::string path = folder.write(
+      "t.obj", "mtllib m.mtl\nusemtl cloth\n" +
+                   objGrid(
+                       2, [](glm::dvec2 q) { return glm::dvec3(q, 0); }, [](glm::dvec2 q) { return q; }));
   const auto loaded = [&](const std::string& line) {
     folder.write("m.mtl", "newmtl cloth\n" + line + "\n");
     return loadTile(path);
   };
-  for (const char* line : {"Kd -1 0 0", "Kd 2 2 2", "Kd nan 0 0", "Ks 0 0 1.5", "Ks -1 0 0", "Ns -1", "Ns inf", "Ns nan"}) {
+  for (const char* line :
+       {"Kd -1 0 0", "Kd 2 2 2", "Kd nan 0 0", "Ks 0 0 1.5", "Ks -1 0 0", "Ns -1", "Ns inf", "Ns nan"}) {
     const auto tile = loaded(line);
     ASSERT_FALSE(tile.ok()) << line;
     EXPECT_EQ(tile.issue().id, issue_id::kTileMaterial) << line;
-    EXPECT_NE(tile.issue().where.find("m.mtl: line 2, material 'cloth'"), std::string::npos) << tile.issue().where;
+    EXPECT_NE(tile.issue().where.find("m.mtl: line 2, material 'cloth'"), std::string::npos)
+        << tile.issue().where;
   }
   EXPECT_NE(loaded("Kd -1 0 0").issue().text.find("-1"), std::string::npos);
-  for (const char* line : {"Kd 1 1 1", "Kd 0 0 0", "Ks 1 1 1", "Ns 0", "Ns 1000"}) EXPECT_TRUE(loaded(line).ok()) << line;
+  for (const char* line : {"Kd 1 1 1", "Kd 0 0 0", "Ks 1 1 1", "Ns 0", "Ns 1000"})
+    EXPECT_TRUE(loaded(line).ok()) << line;
   EXPECT_EQ(loaded("map_Kd weave.png")->warnings.size(), 1u);
 }
 

@@ -29,11 +29,13 @@ glm::dvec3 faceNormal(const Tile& tile, const glm::uvec3& t) {
 }
 
 class BuiltinTile : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(All, BuiltinTile, ::testing::ValuesIn(builtinTileNames()), [](const auto& tile) { return tile.param; });
+INSTANTIATE_TEST_SUITE_P(All, BuiltinTile, ::testing::ValuesIn(builtinTileNames()),
+                         [](const auto& tile) { return tile.param; });
 
 // Those that are one deformed grid over the whole parameter domain.
 class GridTile : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(All, GridTile, ::testing::Values("button", "isba", "pulli", "sponge"), [](const auto& tile) { return tile.param; });
+INSTANTIATE_TEST_SUITE_P(All, GridTile, ::testing::Values("button", "isba", "pulli", "sponge"),
+                         [](const auto& tile) { return tile.param; });
 
 TEST_P(BuiltinTile, HasItsTopAtZeroAndStaysPlausible) {
   const Tile tile = *loadTile("builtin:" + GetParam());
@@ -54,7 +56,8 @@ TEST_P(GridTile, RepeatsExactly) {
   constexpr int n = 40;
   const Tile tile = *builtinTile(GetParam(), n);
   for (int k = 0; k <= n; ++k) {
-    const size_t left = size_t(k * (n + 1)), right = left + n, bottom = size_t(k), top = size_t(n * (n + 1) + k);
+    const size_t left = size_t(k * (n + 1)), right = left + n, bottom = size_t(k),
+                 top = size_t(n * (n + 1) + k);
     EXPECT_EQ(tile.positions[left] + glm::dvec3(1, 0, 0), tile.positions[right]);
     EXPECT_EQ(tile.positions[bottom] + glm::dvec3(0, 1, 0), tile.positions[top]);
     EXPECT_EQ(tile.normals[left], tile.normals[right]);
@@ -82,7 +85,8 @@ TEST_P(GridTile, KeepsAreaRoughlyWhereItOverhangs) {
     const double area = glm::length(faceNormal(tile, t));
     sum += area, squares += area * area;
   }
-  const double mean = sum / double(tile.triangles.size()), variance = squares / double(tile.triangles.size()) - mean * mean;
+  const double mean = sum / double(tile.triangles.size()),
+               variance = squares / double(tile.triangles.size()) - mean * mean;
   EXPECT_LT(std::sqrt(variance) / mean, 0.40);  // a plain grid over the button has more than 1.5
 }
 
@@ -93,7 +97,9 @@ TEST(Tile, RefusesUnknownBuiltin) {
   EXPECT_NE(tile.issue().text.find("pulli"), std::string::npos);
 }
 
-TEST(Tile, RefusesSubdivisionOfABuiltin) { EXPECT_EQ(refusal("builtin:pulli", {1}), issue_id::kOption); }
+TEST(Tile, RefusesSubdivisionOfABuiltin) {
+  EXPECT_EQ(refusal("builtin:pulli", {1}), issue_id::kOption);
+}
 
 TEST(TileObj, ComesBackWithPeriodOneAndTopAtZero) {
   const TemporaryFolder folder;
@@ -109,8 +115,10 @@ TEST(TileObj, TurnsFlippedAndSwappedTextureCoordinates) {
   const TemporaryFolder folder;
   const auto wave = [](glm::dvec2 q) { return glm::dvec3(3.0 * q, 0.3 * std::sin(2 * kPi * q.x)); };
   const std::function<glm::dvec2(glm::dvec2)> variants[] = {
-      [](glm::dvec2 q) { return glm::dvec2(q.x, 1 - q.y); }, [](glm::dvec2 q) { return glm::dvec2(1 - q.x, q.y); },
-      [](glm::dvec2 q) { return glm::dvec2(q.y, q.x); }, [](glm::dvec2 q) { return glm::dvec2(1 - q.y, 1 - q.x); }};
+      [](glm::dvec2 q) { return glm::dvec2(q.x, 1 - q.y); },
+      [](glm::dvec2 q) { return glm::dvec2(1 - q.x, q.y); },
+      [](glm::dvec2 q) { return glm::dvec2(q.y, q.x); },
+      [](glm::dvec2 q) { return glm::dvec2(1 - q.y, 1 - q.x); }};
   for (const auto& uv : variants) {
     const auto tile = loadTile(folder.write("t.obj", objGrid(16, wave, uv)).string());
     ASSERT_TRUE(tile.ok()) << tile.issue().text;
@@ -135,14 +143,31 @@ TEST(TileObj, RefusesWhatIsNoTile) {
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\n")), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 2 3\n")), issue_id::kTileGeometry);
   EXPECT_EQ(refusal(folder.write("t.obj", "v 0 0 0\nf 1 1\n")), issue_id::kTileGeometry);
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(2, kFlat, kSame) + "f 1/-10 2/2 3/3\n")), issue_id::kTileGeometry);  // of nine
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(2, kFlat, kSame) + "f 1/-10 2/2 3/3\n")),
+            issue_id::kTileGeometry);  // of nine
   EXPECT_EQ(refusal(folder.write("t.obj", "mtllib ../m.mtl\n")), issue_id::kGltfPath);
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, nullptr))), issue_id::kTileUv);
+  EXPECT_EQ(
+      refusal(folder.write("t.obj", objGrid(
+                                        4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, nullptr))),
+      issue_id::kTileUv);
   // Borders that do not match, a rotated parameterization, a period that is not square, the wrong side up.
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); }, [](glm::dvec2 q) { return 0.9 * q; }))), issue_id::kTileUv);
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x + 0.3 * q.y, q.y - 0.3 * q.x, 0); }, kSame))), issue_id::kTileUv);
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(q.x, 2 * q.y, 0); }, kSame))), issue_id::kTileGeometry);
-  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(4, [](glm::dvec2 q) { return glm::dvec3(1 - q.x, q.y, 0); }, kSame))), issue_id::kTileGeometry);
+  EXPECT_EQ(refusal(folder.write("t.obj", objGrid(
+                                              4, [](glm::dvec2 q) { return glm::dvec3(q, q.x * q.y); },
+                                              [](glm::dvec2 q) { return 0.9 * q; }))),
+            issue_id::kTileUv);
+  EXPECT_EQ(refusal(folder.write(
+                "t.obj",
+                objGrid(
+                    4, [](glm::dvec2 q) { return glm::dvec3(q.x + 0.3 * q.y, q.y - 0.3 * q.x, 0); }, kSame))),
+            issue_id::kTileUv);
+  EXPECT_EQ(
+      refusal(folder.write("t.obj", objGrid(
+                                        4, [](glm::dvec2 q) { return glm::dvec3(q.x, 2 * q.y, 0); }, kSame))),
+      issue_id::kTileGeometry);
+  EXPECT_EQ(
+      refusal(folder.write("t.obj", objGrid(
+                                        4, [](glm::dvec2 q) { return glm::dvec3(1 - q.x, q.y, 0); }, kSame))),
+      issue_id::kTileGeometry);
 }
 
 TEST(TileObj, GetsAParameterizationIfItHasNone) {
@@ -150,7 +175,8 @@ TEST(TileObj, GetsAParameterizationIfItHasNone) {
   // An overhanging wave on a grid of period 3, its borders cut along a curve.
   const auto wave = [](glm::dvec2 q) {
     const double angle = 4 * kPi * q.x;
-    return 3.0 * glm::dvec3(q.x + 0.06 * std::sin(2 * angle) + 0.05 * std::sin(2 * kPi * q.y), q.y, 0.1 * std::cos(angle));
+    return 3.0 * glm::dvec3(q.x + 0.06 * std::sin(2 * angle) + 0.05 * std::sin(2 * kPi * q.y), q.y,
+                            0.1 * std::cos(angle));
   };
   const auto tile = loadTile(folder.write("t.obj", objGrid(48, wave, nullptr)).string());
   ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
@@ -183,27 +209,35 @@ TEST(TileObj, IsTheSameTileWhereverItsMeshStands) {
 
 TEST(TileObj, RefusesTextureCoordinatesThatFold) {
   const TemporaryFolder folder;
-  const auto folded = [](glm::dvec2 q) { return glm::distance(q, glm::dvec2(0.5)) < 0.1 ? q + glm::dvec2(0.3, 0) : q; };
+  const auto folded = [](glm::dvec2 q) {
+    return glm::distance(q, glm::dvec2(0.5)) < 0.1 ? q + glm::dvec2(0.3, 0) : q;
+  };
   const auto tile = loadTile(folder.write("t.obj", objGrid(8, kFlat, folded)).string());
   ASSERT_FALSE(tile.ok());
   EXPECT_EQ(tile.issue().id, issue_id::kTileUv);
   EXPECT_NE(tile.issue().where.find("triangle "), std::string::npos) << tile.issue().where;
   // Upright walls have no area in p, and lie over nobody.
-  const auto stairs = [](glm::dvec2 q) { return glm::dvec3(std::floor(4 * q.x + 0.5) / 4, q.y, 0.1 * std::cos(2 * kPi * q.x)); };
+  const auto stairs = [](glm::dvec2 q) {
+    return glm::dvec3(std::floor(4 * q.x + 0.5) / 4, q.y, 0.1 * std::cos(2 * kPi * q.x));
+  };
   const auto above = [&](glm::dvec2 q) { return glm::dvec2(stairs(q)); };
   EXPECT_EQ(refusal(folder.write("s.obj", objGrid(8, stairs, above))), 0);
 }
 
 TEST(TileObj, RefusesNormalsThatPointDown) {
   const TemporaryFolder folder;
-  const auto text = [](const char* normal) { return std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn ") + normal + "\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"; };
+  const auto text = [](const char* normal) {
+    return std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn ") + normal +
+           "\nf 1/1/1 2/2/1 3/3/1 4/4/1\n";
+  };
   EXPECT_EQ(refusal(folder.write("t.obj", text("0 0 1"))), 0);
   EXPECT_EQ(refusal(folder.write("t.obj", text("0 0 -1"))), issue_id::kTileGeometry);
 }
 
 TEST(TileObj, DropsDegenerateAndDuplicateTriangles) {
   const TemporaryFolder folder;
-  const auto path = folder.write("t.obj", objGrid(4, kFlat, kSame) + "f 1/1 2/2 7/7\nf 1/1 1/1 2/2\nf 1/1 2/2 3/3\n");
+  const auto path =
+      folder.write("t.obj", objGrid(4, kFlat, kSame) + "f 1/1 2/2 7/7\nf 1/1 1/1 2/2\nf 1/1 2/2 3/3\n");
   const auto tile = loadTile(path.string());
   ASSERT_TRUE(tile.ok()) << tile.issue().text;
   EXPECT_EQ(tile->triangles.size(), 32u);
@@ -213,7 +247,8 @@ TEST(TileObj, DropsDegenerateAndDuplicateTriangles) {
 }
 
 class Parameterization : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(All, Parameterization, ::testing::Values("button", "isba", "pulli", "sponge"), [](const auto& tile) { return tile.param; });
+INSTANTIATE_TEST_SUITE_P(All, Parameterization, ::testing::Values("button", "isba", "pulli", "sponge"),
+                         [](const auto& tile) { return tile.param; });
 
 TEST_P(Parameterization, IsBijectiveAndEven) {
   const Tile tile = *builtinTile(GetParam(), 64);
@@ -246,14 +281,18 @@ TEST(TileObj, NamesCountAndFirstOfNonFiniteVertices) {
   const auto tile = loadTile(folder.write("t.obj", text).string());
   ASSERT_FALSE(tile.ok());
   EXPECT_EQ(tile.issue().id, issue_id::kTileNonFinite);
-  const auto first = std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<ptrdiff_t>(text.find("v nan")), '\n'));
+  const auto first = std::to_string(
+      1 + std::count(text.begin(), text.begin() + static_cast<ptrdiff_t>(text.find("v nan")), '\n'));
   EXPECT_NE(tile.issue().where.find("line " + first), std::string::npos) << tile.issue().where;
   EXPECT_EQ(tile.issue().text.rfind("2 of", 0), 0u) << tile.issue().text;
 }
 
 TEST(TileObj, SubdividedCageHasNoSeamAndUnitNormals) {
   const TemporaryFolder folder;
-  const auto bumpy = [](glm::dvec2 q) { return glm::dvec3(q, 0.1 * std::cos(2 * kPi * q.x) * std::cos(2 * kPi * q.y) + 0.05 * std::sin(2 * kPi * q.y)); };
+  const auto bumpy = [](glm::dvec2 q) {
+    return glm::dvec3(
+        q, 0.1 * std::cos(2 * kPi * q.x) * std::cos(2 * kPi * q.y) + 0.05 * std::sin(2 * kPi * q.y));
+  };
   const auto tile = loadTile(folder.write("t.obj", objGrid(4, bumpy, kSame)).string(), {3});
   ASSERT_TRUE(tile.ok()) << tile.issue().text;
   EXPECT_EQ(tile->triangles.size(), 4u * 4 * 64 * 2);
@@ -261,7 +300,8 @@ TEST(TileObj, SubdividedCageHasNoSeamAndUnitNormals) {
   size_t joined = 0;
   for (size_t v = 0; v < same.size(); ++v) {
     EXPECT_NEAR(glm::length(tile->normals[v]), 1, 1e-12);
-    EXPECT_LT(glm::distance(tile->normals[v], tile->normals[same[v]]), 1e-5);  // OpenSubdiv's weights are float
+    EXPECT_LT(glm::distance(tile->normals[v], tile->normals[same[v]]),
+              1e-5);  // OpenSubdiv's weights are float
     joined += same[v] != v;
   }
   EXPECT_EQ(joined, 32u + 32u + 1u);  // two sides of the border
@@ -293,8 +333,10 @@ TEST(TileGltf, NodesOfAnyScaleKeepAuthoredNormals) {
   const TemporaryFolder folder;
   constexpr float kNormals[] = {0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0};  // y is up
   auto json = gltfTile();
-  json["buffers"].push_back({{"byteLength", sizeof kNormals},
-                             {"uri", "data:application/octet-stream;base64," + base64({reinterpret_cast<const char*>(kNormals), sizeof kNormals})}});
+  json["buffers"].push_back(
+      {{"byteLength", sizeof kNormals},
+       {"uri", "data:application/octet-stream;base64," +
+                   base64({reinterpret_cast<const char*>(kNormals), sizeof kNormals})}});
   json["bufferViews"].push_back({{"buffer", 1}, {"byteLength", sizeof kNormals}});
   json["accessors"].push_back({{"bufferView", 3}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}});
   json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 3;
@@ -302,7 +344,8 @@ TEST(TileGltf, NodesOfAnyScaleKeepAuthoredNormals) {
     json["nodes"][0]["scale"] = {scale, scale, scale};
     const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
     ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
-    for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, {0.6, 0, 0.8}), 1e-7) << scale;
+    for (const glm::dvec3& normal : tile->normals)
+      EXPECT_LT(glm::distance(normal, {0.6, 0, 0.8}), 1e-7) << scale;
   }
   json["nodes"][0]["scale"] = {2, 0, 2};  // flattened: what has an upright part stands upright
   const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
@@ -312,16 +355,25 @@ TEST(TileGltf, NodesOfAnyScaleKeepAuthoredNormals) {
 
 TEST(TileGltf, ReadsQuantizedMeshes) {
   const TemporaryFolder folder;
-  constexpr int8_t kNormals[] = {76, 102, 0, 0, 76, 102, 0, 0, 76, 102, 0, 0, 76, 102, 0, 0};  // y is up; in steps of four bytes
-  constexpr int16_t kPositions[] = {-32768, 0, 32767, 0, 32767, 0, 32767, 0, 32767, 0, -32767, 0, -32767, 0, -32767, 0};
+  constexpr int8_t kNormals[] = {76, 102, 0, 0, 76, 102, 0, 0,
+                                 76, 102, 0, 0, 76, 102, 0, 0};  // y is up; in steps of four bytes
+  constexpr int16_t kPositions[] = {-32768, 0, 32767,  0, 32767,  0, 32767,  0,
+                                    32767,  0, -32767, 0, -32767, 0, -32767, 0};
   auto json = gltfTile();
   json["extensionsUsed"] = json["extensionsRequired"] = {"KHR_mesh_quantization"};
   const auto add = [&](const void* data, size_t bytes, int stride, int type, const char* attribute) {
     const auto view = json["bufferViews"].size();
-    json["buffers"].push_back({{"byteLength", bytes}, {"uri", "data:application/octet-stream;base64," + base64({static_cast<const char*>(data), bytes})}});
-    json["bufferViews"].push_back({{"buffer", json["buffers"].size() - 1}, {"byteLength", bytes}, {"byteStride", stride}});
+    json["buffers"].push_back(
+        {{"byteLength", bytes},
+         {"uri", "data:application/octet-stream;base64," + base64({static_cast<const char*>(data), bytes})}});
+    json["bufferViews"].push_back(
+        {{"buffer", json["buffers"].size() - 1}, {"byteLength", bytes}, {"byteStride", stride}});
     json["meshes"][0]["primitives"][0]["attributes"][attribute] = json["accessors"].size();
-    json["accessors"].push_back({{"bufferView", view}, {"componentType", type}, {"normalized", true}, {"count", 4}, {"type", "VEC3"}});
+    json["accessors"].push_back({{"bufferView", view},
+                                 {"componentType", type},
+                                 {"normalized", true},
+                                 {"count", 4},
+                                 {"type", "VEC3"}});
   };
   add(kNormals, sizeof kNormals, 4, 5120, "NORMAL");
   add(kPositions, sizeof kPositions, 8, 5122, "POSITION");
@@ -329,12 +381,15 @@ TEST(TileGltf, ReadsQuantizedMeshes) {
   const auto tile = loadTile(folder.write("t.gltf", json.dump()).string());
   ASSERT_TRUE(tile.ok()) << tile.issue().where << ": " << tile.issue().text;
   EXPECT_TRUE(tile->identity_parameterization);
-  for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, glm::normalize(glm::dvec3(76, 0, 102))), 1e-7);
+  for (const glm::dvec3& normal : tile->normals)
+    EXPECT_LT(glm::distance(normal, glm::normalize(glm::dvec3(76, 0, 102))), 1e-7);
 }
 
 TEST(TileObj, NormalsMayHaveAnyLength) {
   const TemporaryFolder folder;
-  const auto path = folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn .006 0 .008\nf 1/1/1 2/2/1 3/3/1 4/4/1\n");
+  const auto path = folder.write("t.obj",
+                                 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn "
+                                 ".006 0 .008\nf 1/1/1 2/2/1 3/3/1 4/4/1\n");
   const auto tile = loadTile(path.string());
   ASSERT_TRUE(tile.ok()) << tile.issue().text;
   for (const glm::dvec3& normal : tile->normals) EXPECT_LT(glm::distance(normal, {0.6, 0, 0.8}), 1e-12);
@@ -373,15 +428,21 @@ TEST(TileGltf, RefusesDamageAndEscape) {
   EXPECT_EQ(changed([](auto& j) { j["accessors"][0]["byteOffset"] = 40; }), issue_id::kGltfAccessor);
   EXPECT_EQ(changed([](auto& j) { j["bufferViews"][0]["byteLength"] = 100000; }), issue_id::kGltfAccessor);
   EXPECT_EQ(changed([](auto& j) { j["accessors"][0]["type"] = "VEC2"; }), issue_id::kGltfAccessor);
-  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9; }), issue_id::kGltfAccessor);
+  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9; }),
+            issue_id::kGltfAccessor);
   EXPECT_EQ(changed([](auto& j) { j["nodes"][0]["children"] = {0}; }), issue_id::kGltfNode);
   EXPECT_EQ(changed([](auto& j) { j["nodes"][0]["mesh"] = 7; }), issue_id::kGltfNode);
   EXPECT_EQ(changed([](auto& j) {
-    for (int k = 1; k <= 40; ++k) j["nodes"][size_t(k - 1)]["children"] = {k, k}, j["nodes"].push_back(nlohmann::ordered_json::object());
-  }), issue_id::kGltfNode);  // 2^40 paths
-  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }), issue_id::kTileUv);
+              for (int k = 1; k <= 40; ++k)
+                j["nodes"][size_t(k - 1)]["children"] = {k, k},
+                                      j["nodes"].push_back(nlohmann::ordered_json::object());
+            }),
+            issue_id::kGltfNode);  // 2^40 paths
+  EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }),
+            issue_id::kTileUv);
   EXPECT_EQ(changed([](auto& j) { j["meshes"][0]["primitives"][0]["mode"] = 5; }), issue_id::kTileGeometry);
-  const std::string nested = R"({"asset":{"version":"2.0"},"extras":)" + std::string(20000, '[') + std::string(20000, ']') + "}";
+  const std::string nested =
+      R"({"asset":{"version":"2.0"},"extras":)" + std::string(20000, '[') + std::string(20000, ']') + "}";
   EXPECT_EQ(refusal(folder.write("t.gltf", nested)), issue_id::kGltfDepth);
   EXPECT_EQ(refusal(folder.write("t.gltf", "{")), issue_id::kGltfParse);
 }

@@ -236,7 +236,9 @@ TEST(AssetIssues, HeaderCountsAreCheckedBeforeTheyAreBelieved) {
       std::memset(chunks[0].raw.data() + at, 0x7f, 4);
       const Bytes file = assemble(chunks);
       const Result<Material> read = parseAsset(file, "test");
-      if (read.ok()) { EXPECT_LT(validateAsset(file, "test").size(), 1u); }
+      if (read.ok()) {
+        EXPECT_LT(validateAsset(file, "test").size(), 1u);
+      }
     }
   }
 }

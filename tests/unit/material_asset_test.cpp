@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "material/asset/asset.h"
-#include "material/eval/evaluate.h"
 #include "material/base/issues.h"
+#include "material/eval/evaluate.h"
 #include "material/model/leading_part.h"
 #include "tests/unit/material_fixtures.h"
 
@@ -17,8 +17,8 @@ namespace {
 using test::expectSame;
 using Bytes = std::vector<std::byte>;
 
-const auto kMakers = {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::lightFactorMaterial,
-                      test::splitSurfaceMaterial, test::splitFusedMaterial};
+const auto kMakers = {test::surfaceMaterial,     test::lodMaterial,          test::fusedMaterial,
+                      test::lightFactorMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial};
 
 Bytes serialized(const Material& material) {
   Result<Bytes> bytes = serializeAsset(material);
@@ -117,8 +117,10 @@ TEST(Asset, LoadsALeadingPartByItselfAndThenTheRestAlone) {
     expectSame(lead, expected);
     EXPECT_GT(counter->count, 0u);
     EXPECT_LT(counter->count, stored);
-    if (bands) whole.bands[1] = *file->loadBand(1, kAll, &lead.bands[1]);
-    else whole.surface = *file->loadSurface(kAll, &*lead.surface);
+    if (bands)
+      whole.bands[1] = *file->loadBand(1, kAll, &lead.bands[1]);
+    else
+      whole.surface = *file->loadSurface(kAll, &*lead.surface);
     expectSame(whole, material);
     EXPECT_EQ(counter->count, stored) << "each byte once";
   }

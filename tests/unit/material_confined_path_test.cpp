@@ -1,11 +1,10 @@
-#include "material/system/confined_path.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "material/base/issues.h"
+#include "material/system/confined_path.h"
 
 namespace loden {
 namespace {
@@ -24,7 +23,9 @@ class ConfinedPath : public testing::Test {
     std::ofstream(root_ / "secret") << "x";
   }
   void TearDown() override { fs::remove_all(root_); }
-  Result<fs::path> find(std::string_view uri) const { return confinedPath(root_ / "scene", uri, "images[0].uri"); }
+  Result<fs::path> find(std::string_view uri) const {
+    return confinedPath(root_ / "scene", uri, "images[0].uri");
+  }
   fs::path root_;
 };
 
@@ -39,8 +40,10 @@ TEST_F(ConfinedPath, FilesInTheFolderAreFound) {
 
 TEST_F(ConfinedPath, OthersAreRefusedWithTheirPlace) {
   using namespace std::string_view_literals;
-  for (const std::string_view uri : {"../secret"sv, "maps/../../secret"sv, "%2e%2e/secret"sv, "/etc/passwd"sv, "%2Fetc/passwd"sv, "file:secret"sv,
-                                     "http://host/a.png"sv, "C:/a.png"sv, "maps\\a.png"sv, "maps%5Ca.png"sv, "a%00b"sv, "a%2"sv, "a%zz"sv, ""sv, "."sv}) {
+  for (const std::string_view uri :
+       {"../secret"sv, "maps/../../secret"sv, "%2e%2e/secret"sv, "/etc/passwd"sv, "%2Fetc/passwd"sv,
+        "file:secret"sv, "http://host/a.png"sv, "C:/a.png"sv, "maps\\a.png"sv, "maps%5Ca.png"sv, "a%00b"sv,
+        "a%2"sv, "a%zz"sv, ""sv, "."sv}) {
     const auto path = find(uri);
     ASSERT_FALSE(path.ok()) << uri;
     EXPECT_EQ(path.issue().id, issue_id::kGltfPath) << uri;

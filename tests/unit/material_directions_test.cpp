@@ -1,11 +1,11 @@
 // Directions against closed form, for every index; maps against their inverses.
 
-#include "material/model/directions.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
+
+#include "material/model/directions.h"
 
 namespace loden {
 namespace {
@@ -50,7 +50,8 @@ TEST(Directions, ConcentricCellsCoverEqualSolidAngles) {
     EXPECT_NEAR(glm::length(set.samples[k]), 1, 1e-12);
     sum += set.samples[k].z;
   }
-  EXPECT_NEAR(sum / set.size(), (1 + std::cos(85 * kPi / 180)) / 2, 2e-3);  // the midpoint rule on 60 x 60 cells
+  EXPECT_NEAR(sum / set.size(), (1 + std::cos(85 * kPi / 180)) / 2,
+              2e-3);  // the midpoint rule on 60 x 60 cells
 }
 
 TEST(Directions, NamesRoundTripAndNonsenseIsRefused) {
@@ -59,7 +60,8 @@ TEST(Directions, NamesRoundTripAndNonsenseIsRefused) {
     ASSERT_TRUE(set) << name;
     EXPECT_EQ(directionsName(*set), name);
   }
-  for (const char* name : {"", "bonn", "5", "5x", "x5", "5x6", "0x0", "-3x-3", "17x17", "5x5 ", "99999999999x1"})
+  for (const char* name :
+       {"", "bonn", "5", "5x", "x5", "5x6", "0x0", "-3x-3", "17x17", "5x5 ", "99999999999x1"})
     EXPECT_FALSE(directionsByName(name)) << name;
 }
 
@@ -68,7 +70,9 @@ TEST(Directions, SphericalCoordinatesRoundTrip) {
     for (double phi = 0; phi < 6.28; phi += 0.37) {
       const Spherical s = sphericalFromDirection(directionFromSpherical({theta, phi}));
       EXPECT_NEAR(s.theta, theta, 1e-12);
-      if (theta > 0) { EXPECT_NEAR(s.phi, phi, 1e-12); }
+      if (theta > 0) {
+        EXPECT_NEAR(s.phi, phi, 1e-12);
+      }
     }
 }
 

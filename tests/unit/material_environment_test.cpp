@@ -1,12 +1,11 @@
 // Light from all around against integrals done the slow way.
 
-#include "material/model/environment.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "material/eval/evaluate.h"
+#include "material/model/environment.h"
 #include "tests/unit/material_fixtures.h"
 #include "tests/unit/panoramas.h"
 
@@ -71,7 +70,9 @@ TEST(Environment, ProjectionKeepsAQuadraticPolynomial) {
 
 TEST(Environment, TakesOutASun) {
   const glm::dvec3 sun = directionFromSpherical({0.7, 2.0});
-  const auto at = [&](const glm::dvec3& w) { return glm::vec3(glm::dot(w, sun) > std::cos(0.1) ? 50.0f : 0.2f); };
+  const auto at = [&](const glm::dvec3& w) {
+    return glm::vec3(glm::dot(w, sun) > std::cos(0.1) ? 50.0f : 0.2f);
+  };
   const Environment found = projectPanorama(panoramaOf(512, at), 3);
   ASSERT_EQ(found.suns.size(), 1u);
   EXPECT_GT(glm::dot(glm::dvec3(found.suns[0].direction), sun), std::cos(0.01));
@@ -94,10 +95,10 @@ TEST(Environment, ReductionToTheHemisphereKeepsIrradiance) {
   const glm::vec3 t = glm::normalize(glm::cross(n, glm::vec3(0, 1, 0)));
   const glm::mat3 frame(t, glm::cross(n, t), n);
   const HemisphereLight reduced = hemisphereLight(light, frame);
-  const auto exact = hemisphereIntegral([&](const glm::dvec3& w) {
-    return glm::dvec3(radianceFrom(light, frame * glm::vec3(w))) * w.z;
-  });
-  const auto got = hemisphereIntegral([&](const glm::dvec3& w) { return glm::dvec3(reducedRadiance(reduced, glm::vec3(w))) * w.z; });
+  const auto exact = hemisphereIntegral(
+      [&](const glm::dvec3& w) { return glm::dvec3(radianceFrom(light, frame * glm::vec3(w))) * w.z; });
+  const auto got = hemisphereIntegral(
+      [&](const glm::dvec3& w) { return glm::dvec3(reducedRadiance(reduced, glm::vec3(w))) * w.z; });
   EXPECT_LT(glm::length(exact - got), 1e-4);
 }
 
@@ -111,10 +112,10 @@ TEST(Environment, RotationMovesTheLight) {
 
 TEST(Environment, SkyGivesItsIrradiance) {
   const EnvironmentLight light = skyLight(glm::vec3(2), glm::vec3(0.5f), {0, 0, 1});
-  const auto up = hemisphereIntegral([&](const glm::dvec3& w) { return glm::dvec3(radianceFrom(light, glm::vec3(w))) * w.z; });
-  const auto down = hemisphereIntegral([&](const glm::dvec3& w) {
-    return glm::dvec3(radianceFrom(light, glm::vec3(w.x, w.y, -w.z))) * w.z;
-  });
+  const auto up = hemisphereIntegral(
+      [&](const glm::dvec3& w) { return glm::dvec3(radianceFrom(light, glm::vec3(w))) * w.z; });
+  const auto down = hemisphereIntegral(
+      [&](const glm::dvec3& w) { return glm::dvec3(radianceFrom(light, glm::vec3(w.x, w.y, -w.z))) * w.z; });
   EXPECT_NEAR(up.x * kPi, 2, 1e-4);
   EXPECT_NEAR(down.x * kPi, 0.5, 1e-4);
 }
@@ -140,8 +141,8 @@ TEST(Environment, EvaluatorIntegratesItself) {
         // Fixtures are noise from light to light; nearest tables are read at a grid of lights instead.
         const double tolerance = material.mode == Mode::kLod ? 0.05 : 0.01;
         EXPECT_LT(glm::length(truth - got), tolerance * std::max(1.0, glm::length(truth)))
-            << modeName(material.mode) << ": " << got.x << " " << got.y << " " << got.z << ", expected " << truth.x << " "
-            << truth.y << " " << truth.z;
+            << modeName(material.mode) << ": " << got.x << " " << got.y << " " << got.z << ", expected "
+            << truth.x << " " << truth.y << " " << truth.z;
       }
     }
 }

@@ -1,12 +1,11 @@
 // The equation's terms against plain formulas.
 
-#include "material/eval/evaluate.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "material/eval/evaluate.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {
@@ -50,17 +49,20 @@ TEST(Mean, RatioChromaFollowsY) {
 }
 
 TEST(Evaluator, FloatAndDoubleAgree) {
-  for (const Material& material : {test::lodMaterial(), test::fusedMaterial(), test::lightFactorMaterial(), test::surfaceMaterial()}) {
+  for (const Material& material :
+       {test::lodMaterial(), test::fusedMaterial(), test::lightFactorMaterial(), test::surfaceMaterial()}) {
     const Evaluator evaluator(material);
     for (int k = 0; k < 400; ++k) {
       const glm::dvec2 x(0.137 * k - 3, 0.0713 * k);
       const double lambda = 0.011 * k;
-      const glm::dvec3 wi = directionFromSpherical({0.0037 * k, 0.31 * k}), wo = directionFromSpherical({0.9, 0.17 * k});
+      const glm::dvec3 wi = directionFromSpherical({0.0037 * k, 0.31 * k}),
+                       wo = directionFromSpherical({0.9, 0.17 * k});
       const auto a = evaluator.evaluate(evaluator.findHit(x, lambda, wo, Lookup::kNone), wi, wo);
       const auto b = evaluator.evaluate(
-          evaluator.findHit(glm::vec2(x), static_cast<float>(lambda), glm::vec3(wo), Lookup::kNone), glm::vec3(wi),
-          glm::vec3(wo));
-      // Noise of the fixtures reaches 1 per texel, so coordinates' rounding (1e-6) times the texel density shows.
+          evaluator.findHit(glm::vec2(x), static_cast<float>(lambda), glm::vec3(wo), Lookup::kNone),
+          glm::vec3(wi), glm::vec3(wo));
+      // Noise of the fixtures reaches 1 per texel, so coordinates' rounding (1e-6) times the texel density
+      // shows.
       EXPECT_NEAR(a.x, b.x, 2e-3) << "sample " << k;
       EXPECT_NEAR(a.y, b.y, 2e-3) << "sample " << k;
       EXPECT_NEAR(a.z, b.z, 2e-3) << "sample " << k;
@@ -81,11 +83,13 @@ TEST(Evaluator, LightFactorMultipliesTheWholeValue) {
     const glm::dvec2 x = (glm::dvec2(texel) + 0.5) / 8.0;  // a texel's centre: no filter
     // At a row and a column of the light table.
     const int row = 1 + k % 3, column = k % 8;
-    const glm::dvec3 wi = directionFromSpherical({double(lit.theta_max) * row / 3, 2 * kPi * column / 8}), wo = directionFromSpherical({0.5, 0.1 * k});
+    const glm::dvec3 wi = directionFromSpherical({double(lit.theta_max) * row / 3, 2 * kPi * column / 8}),
+                     wo = directionFromSpherical({0.5, 0.1 * k});
     double sum = 0;
     for (int quad = 0; quad < 2; ++quad) {
       const glm::dvec4 weight(fetchTexel(band.weights, 0, texel.x, texel.y, band.lightLayer() + quad));
-      sum += glm::dot(weight * glm::dvec4(fetchTexel(band.light_table, 0, column, row, quad)), glm::dvec4(band.quad_scale[size_t(band.quads() + quad)]));
+      sum += glm::dot(weight * glm::dvec4(fetchTexel(band.light_table, 0, column, row, quad)),
+                      glm::dvec4(band.quad_scale[size_t(band.quads() + quad)]));
     }
     const double factor = std::clamp(sum, 0.0, 1.0);
     least = std::min(least, factor), most = std::max(most, factor);
@@ -104,7 +108,8 @@ TEST(Evaluator, IsContinuousInLambda) {
   const glm::dvec3 wi = directionFromSpherical({0.4, 1}), wo = directionFromSpherical({0.6, 3});
   glm::dvec3 last(0);
   for (double lambda = 0; lambda < material.lambda_max + 2; lambda += 1e-4) {
-    const auto value = evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3, 0.7), lambda, wo, Lookup::kNone), wi, wo);
+    const auto value =
+        evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3, 0.7), lambda, wo, Lookup::kNone), wi, wo);
     if (lambda > 0) {
       EXPECT_LT(glm::length(value - last), 1e-2) << "lambda " << lambda;
     }
@@ -126,10 +131,13 @@ TEST(Evaluator, LightFadesToZeroAtTheHorizon) {
   const Evaluator evaluator(material);
   const glm::dvec3 up(0, 0, 1);
   const auto hit = evaluator.findHit(glm::dvec2(0.2, 0.4), 3.0, up);
-  const auto at = [&](double theta) { return evaluator.evaluate(hit, directionFromSpherical({theta, 1}), up); };
+  const auto at = [&](double theta) {
+    return evaluator.evaluate(hit, directionFromSpherical({theta, 1}), up);
+  };
   const double theta_max = material.theta_max;
   for (double theta = theta_max; theta < kPi / 2; theta += 0.02)
-    EXPECT_NEAR(glm::length(at(theta)), glm::length(at(theta_max)) * std::cos(theta) / std::cos(theta_max), 1e-6);
+    EXPECT_NEAR(glm::length(at(theta)), glm::length(at(theta_max)) * std::cos(theta) / std::cos(theta_max),
+                1e-6);
 }
 
 // Fits undershoot black; light is not negative.

@@ -45,7 +45,9 @@ Band gridBand(Domain domain, int mips, const DirectionGrid& grid, uint32_t seed,
   band.lambda_first = domain == Domain::kFlat ? 0.0f : 1.0f;
   band.window = domain == Domain::kFlat ? Window{-2, -1, 1, 2} : Window{1, 2, 1e4f, 2e4f};
   band.light_quads = light_quads;
-  if (light_quads > 0) band.light_table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 9, 4, light_quads, 1, seed + 2);
+  if (light_quads > 0)
+    band.light_table =
+        noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 9, 4, light_quads, 1, seed + 2);
   for (int quad = 0; quad < band.quads() + light_quads; ++quad)
     band.quad_scale.push_back(glm::vec4(0.5f, 0.25f, 0.1f, 1e-3f));
   band.ratio_scale = {0.3f, 0.4f, 1, 1};
@@ -213,10 +215,12 @@ Material splitFusedMaterial() {
   band.ratio = true;
   band.lead_quads = 2;
   band.quad_scale.push_back(glm::vec4(0.02f));
-  band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide / 2, kSide / 2, 5, 3, 44);
+  band.weights =
+      noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide / 2, kSide / 2, 5, 3, 44);
   for (int mip = 0; mip < 3; ++mip)
     for (int t = 0; t < band.weights.mipWidth(mip) * band.weights.mipHeight(mip); ++t)
-      storeTexel(band.weights, mip, t % band.weights.mipWidth(mip), t / band.weights.mipWidth(mip), 4, glm::vec4(0));
+      storeTexel(band.weights, mip, t % band.weights.mipWidth(mip), t / band.weights.mipWidth(mip), 4,
+                 glm::vec4(0));
   band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 7, 16, 3 * 7, 1, 45);
   return material;
 }

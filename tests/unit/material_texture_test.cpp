@@ -11,9 +11,9 @@ namespace loden {
 namespace {
 
 constexpr TexelFormat kAllFormats[] = {
-    TexelFormat::kR8Unorm,      TexelFormat::kRG8Unorm,     TexelFormat::kRGBA8Unorm,
-    TexelFormat::kRGBA8Snorm,   TexelFormat::kRG16Snorm,    TexelFormat::kRGBA16Unorm,
-    TexelFormat::kRGBA16Snorm,  TexelFormat::kRGBA16Sfloat, TexelFormat::kRGBA32Sfloat,
+    TexelFormat::kR8Unorm,     TexelFormat::kRG8Unorm,     TexelFormat::kRGBA8Unorm,
+    TexelFormat::kRGBA8Snorm,  TexelFormat::kRG16Snorm,    TexelFormat::kRGBA16Unorm,
+    TexelFormat::kRGBA16Snorm, TexelFormat::kRGBA16Sfloat, TexelFormat::kRGBA32Sfloat,
 };
 
 TEST(Texture, StoresWhatItFetches) {
@@ -89,8 +89,7 @@ glm::dvec4 bilinearByDefinition(const Texture& texture, int mip, int layer, glm:
 }
 
 TEST(Texture, FiltersBilinearlyWithRepeat) {
-  for (const TexelFormat format :
-       {TexelFormat::kRG16Snorm, TexelFormat::kRGBA16Sfloat}) {
+  for (const TexelFormat format : {TexelFormat::kRG16Snorm, TexelFormat::kRGBA16Sfloat}) {
     const Texture texture = test::noiseTexture(format, TextureShape::kArray2D, 7, 4, 3, 3, 11);
     for (int k = 0; k < 2000; ++k) {
       const glm::dvec2 uv(std::fmod(k * 0.7548776662, 5.0) - 2.5, std::fmod(k * 0.5698402910, 5.0) - 2.5);

@@ -314,13 +314,19 @@ TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
     SCOPED_TRACE(lookupName(lookup));
     switch (lookup) {
       case Lookup::kNone:
-      case Lookup::kQuality: EXPECT_EQ(fetches, 0); break;
-      case Lookup::kPaper: EXPECT_EQ(fetches, 2 * n); break;
+      case Lookup::kQuality:
+        EXPECT_EQ(fetches, 0);
+        break;
+      case Lookup::kPaper:
+        EXPECT_EQ(fetches, 2 * n);
+        break;
       case Lookup::kFast:
         EXPECT_LE(fetches, 6 * n);
         EXPECT_LE(off / n, 0.9 * texel);
         break;
-      case Lookup::kDefault: EXPECT_LE(fetches, 12 * n); EXPECT_LE(off / n, 0.4 * texel);
+      case Lookup::kDefault:
+        EXPECT_LE(fetches, 12 * n);
+        EXPECT_LE(off / n, 0.4 * texel);
     }
   }
   EXPECT_EQ(lookupNamed("best"), std::nullopt);

@@ -1,10 +1,9 @@
 // Cameras, frusta, demands and paths.
-#include "runtime/scene/camera.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "runtime/scene/camera.h"
 #include "runtime/scene/mesh_analytic.h"
 
 namespace loden::runtime {
@@ -87,7 +86,8 @@ TEST(UvDensity, IsTheFinestOfStretchedUvs) {
 }
 
 TEST(CameraPath, PassesThroughItsKeysAndIsSmooth) {
-  const CameraPath path({{1, {0, 0, 0}, {0, 0, 1}}, {2, {1, 0, 0}, {1, 1, 0}}, {5, {1, 3, 0}, {0, 5, 0}}}, Camera{});
+  const CameraPath path({{1, {0, 0, 0}, {0, 0, 1}}, {2, {1, 0, 0}, {1, 1, 0}}, {5, {1, 3, 0}, {0, 5, 0}}},
+                        Camera{});
   EXPECT_EQ(path.duration(), 4);
   EXPECT_LT(glm::distance(path.at(0).position, glm::dvec3(0, 0, 0)), 1e-12);
   EXPECT_LT(glm::distance(path.at(1).position, glm::dvec3(1, 0, 0)), 1e-12);
@@ -133,11 +133,13 @@ TEST(FacingCone, NeverDropsAFrontFace) {
   }
   int dropped = 0;
   for (int k = 0; k < 500; ++k) {
-    const glm::vec3 eye = 8.0f * glm::vec3(std::sin(1.7f * float(k)), std::cos(2.3f * float(k)), std::sin(0.7f * float(k)));
+    const glm::vec3 eye =
+        8.0f * glm::vec3(std::sin(1.7f * float(k)), std::cos(2.3f * float(k)), std::sin(0.7f * float(k)));
     if (!facesAway(cone, strip.bounds, eye)) continue;
     ++dropped;
     for (size_t i = 0; i < strip.indices.size(); i += 3) {
-      const glm::vec3 a = strip.vertices[strip.indices[i]].position, b = strip.vertices[strip.indices[i + 1]].position,
+      const glm::vec3 a = strip.vertices[strip.indices[i]].position,
+                      b = strip.vertices[strip.indices[i + 1]].position,
                       c = strip.vertices[strip.indices[i + 2]].position;
       ASSERT_LE(glm::dot(glm::cross(b - a, c - a), eye - a), 1e-6f);
     }

@@ -1,8 +1,5 @@
 // The glTF loader on good and on hostile files.
-#include "runtime/scene/gltf_scene.h"
-
 #include <gtest/gtest.h>
-
 #include <unistd.h>
 
 #include <cstring>
@@ -13,6 +10,7 @@
 
 #include "material/base/issues.h"
 #include "runtime/scene/gltf_guard.h"
+#include "runtime/scene/gltf_scene.h"
 
 namespace loden::runtime {
 namespace {
@@ -69,9 +67,10 @@ struct Document {
   std::string rest;  // further members, with a leading comma
 
   std::string json() const {
-    return R"({"asset":{"version":"2.0"},"buffers":[{"uri":")" + uri + R"(","byteLength":68}],"bufferViews":)" + views +
-           R"(,"accessors":)" + accessors + R"(,"meshes":)" + meshes + R"(,"materials":)" + materials + R"(,"nodes":)" +
-           nodes + R"(,"scenes":[{"nodes":)" + scene_nodes + "}]" + rest + "}";
+    return R"({"asset":{"version":"2.0"},"buffers":[{"uri":")" + uri +
+           R"(","byteLength":68}],"bufferViews":)" + views + R"(,"accessors":)" + accessors +
+           R"(,"meshes":)" + meshes + R"(,"materials":)" + materials + R"(,"nodes":)" + nodes +
+           R"(,"scenes":[{"nodes":)" + scene_nodes + "}]" + rest + "}";
   }
 };
 
@@ -114,7 +113,8 @@ TEST(GltfScene, DegenerateUvsLeaveTheFrameToTheShader) {
 
 TEST(GltfScene, ReadsExtensionLightsAndCamera) {
   Document document;
-  document.materials = R"([{"name":"cloth","extensions":{"LODEN_materials_flat_btf":{"asset":0,"scale":[8,4],"rotation":0.5}}}])";
+  document.materials =
+      R"([{"name":"cloth","extensions":{"LODEN_materials_flat_btf":{"asset":0,"scale":[8,4],"rotation":0.5}}}])";
   document.nodes =
       R"([{"mesh":0,"translation":[1,2,3],"children":[1,2]},{"camera":0},
           {"extensions":{"KHR_lights_punctual":{"light":0}}}])";
@@ -137,7 +137,8 @@ TEST(GltfScene, ReadsExtensionLightsAndCamera) {
 
 TEST(GltfScene, ReadsAnEmbeddedAsset) {
   Document document;
-  document.rest = R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"bufferView":2,"mimeType":"application/vnd.loden"}]}})";
+  document.rest =
+      R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"bufferView":2,"mimeType":"application/vnd.loden"}]}})";
   const Result<Scene> scene = load(document);
   ASSERT_TRUE(scene.ok());
   EXPECT_EQ(scene->assets.at(0).embedded.size(), 8u);
@@ -157,7 +158,8 @@ TEST(GltfScene, BracketsInsideStringsAreNoNesting) {
 
 TEST(GltfScene, RejectsFilesOutsideItsFolder) {
   Document document;
-  for (const char* uri : {"../outside.bin", "%2e%2e/outside.bin", "a/../../outside.bin", "/etc/passwd", "file:///etc/passwd"}) {
+  for (const char* uri :
+       {"../outside.bin", "%2e%2e/outside.bin", "a/../../outside.bin", "/etc/passwd", "file:///etc/passwd"}) {
     document.uri = uri;
     expectIssue(load(document), issue_id::kGltfPath);
   }
@@ -181,7 +183,8 @@ TEST(GltfScene, RejectsAccessorsLargerThanTheirView) {
   document.accessors.replace(document.accessors.find("\"count\":3"), 9, "\"count\":1000000");
   expectIssue(load(document), issue_id::kGltfAccessor, "meshes[0].primitives[0]");
   document = {};
-  document.accessors.replace(document.accessors.find("\"bufferView\":0"), 14, "\"bufferView\":0,\"byteOffset\":4294967295");
+  document.accessors.replace(document.accessors.find("\"bufferView\":0"), 14,
+                             "\"bufferView\":0,\"byteOffset\":4294967295");
   expectIssue(load(document), issue_id::kGltfAccessor);
 }
 
@@ -196,7 +199,8 @@ TEST(GltfScene, RejectsIndicesBeyondTheVertices) {
 }
 
 TEST(GltfScene, RejectsPositionsThatAreNotFinite) {
-  expectIssue(load({}, triangleBuffer(std::numeric_limits<float>::quiet_NaN())), issue_id::kGltfAccessor, "POSITION");
+  expectIssue(load({}, triangleBuffer(std::numeric_limits<float>::quiet_NaN())), issue_id::kGltfAccessor,
+              "POSITION");
 }
 
 TEST(GltfScene, RejectsWrongTypesAndMissingPositions) {
@@ -239,15 +243,17 @@ TEST(GltfScene, RefusesUnknownRequiredExtensions) {
 
 TEST(GltfScene, RejectsBadExtensionObjects) {
   const std::string assets = R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"uri":"a.loden"}]}})";
-  for (const char* object : {R"({"asset":1})", R"({})", R"({"asset":0,"scale":[0,1]})", R"({"asset":0,"scale":[1]})",
-                             R"({"asset":-1})", R"({"asset":0,"texCoord":99})"}) {
+  for (const char* object :
+       {R"({"asset":1})", R"({})", R"({"asset":0,"scale":[0,1]})", R"({"asset":0,"scale":[1]})",
+        R"({"asset":-1})", R"({"asset":0,"texCoord":99})"}) {
     Document document;
     document.rest = assets;
     document.materials = R"([{"extensions":{"LODEN_materials_flat_btf":)" + std::string(object) + "}}]";
     expectIssue(load(document), issue_id::kGltfExtension, "materials[0]");
   }
   Document document;
-  document.rest = R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"uri":"a.loden","bufferView":0}]}})";
+  document.rest =
+      R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"uri":"a.loden","bufferView":0}]}})";
   expectIssue(load(document), issue_id::kGltfExtension, "assets[0]");
 }
 
@@ -256,7 +262,8 @@ TEST(GltfScene, RejectsTruncationAtEveryByteOfABinaryFile) {
   const std::string padded = json.substr(0, json.size() / 4 * 4);
   const std::string buffer = triangleBuffer();
   std::string glb = "glTF";
-  append<uint32_t>(glb, {2, static_cast<uint32_t>(28 + padded.size() + buffer.size()), static_cast<uint32_t>(padded.size()), 0x4E4F534A});
+  append<uint32_t>(glb, {2, static_cast<uint32_t>(28 + padded.size() + buffer.size()),
+                         static_cast<uint32_t>(padded.size()), 0x4E4F534A});
   glb += padded;
   append<uint32_t>(glb, {static_cast<uint32_t>(buffer.size()), 0x004E4942});
   glb += buffer;

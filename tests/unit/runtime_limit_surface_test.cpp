@@ -1,6 +1,4 @@
 // Catmull-Clark limits against known answers and finite differences.
-#include "runtime/scene/limit_surface.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "material/base/issues.h"
+#include "runtime/scene/limit_surface.h"
 
 namespace loden::runtime {
 namespace {
@@ -22,7 +21,8 @@ Mesh gridCage(int n, const Height& height) {
   Mesh mesh;
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) {
-      const float x = static_cast<float>(i) / static_cast<float>(n), y = static_cast<float>(j) / static_cast<float>(n);
+      const float x = static_cast<float>(i) / static_cast<float>(n),
+                  y = static_cast<float>(j) / static_cast<float>(n);
       Vertex vertex;
       vertex.position = {x, y, height(x, y)};
       vertex.uv = {3 * x, 2 * y};
@@ -69,8 +69,8 @@ TEST(LimitSurface, FlatCageStaysFlatAndUvsStayLinear) {
   }
 }
 
-// Halstead et al. 1993: the limit of a vertex v of valence n with edge neighbours e and face neighbours f of a
-// quad mesh is (n^2 v + 4 sum e + sum f) / (n (n + 5)); on the cube's corner (1, 1, 1) it is 5/12 of it.
+// Halstead et al. 1993: the limit of a vertex v of valence n with edge neighbours e and face neighbours f of
+// a quad mesh is (n^2 v + 4 sum e + sum f) / (n (n + 5)); on the cube's corner (1, 1, 1) it is 5/12 of it.
 TEST(LimitSurface, CubeCornerIsWhereTheMasksPutIt) {
   const auto mesh = limitSurface(cubeCage(), 2, "test");
   ASSERT_TRUE(mesh.ok());
@@ -96,7 +96,8 @@ TEST(LimitSurface, HasNoCracksAlthoughUvsAreSplit) {
 }
 
 TEST(LimitSurface, TangentsAreDerivativesOfTheSurface) {
-  const auto mesh = limitSurface(gridCage(5, [](float x, float y) { return 0.3f * x * x - 0.4f * x * y; }), 5, "test");
+  const auto mesh =
+      limitSurface(gridCage(5, [](float x, float y) { return 0.3f * x * x - 0.4f * x * y; }), 5, "test");
   ASSERT_TRUE(mesh.ok());
   constexpr int kRow = 33;
   // Inner points of the middle quad; central differences along s, which is along u.
@@ -104,7 +105,8 @@ TEST(LimitSurface, TangentsAreDerivativesOfTheSurface) {
   for (int j = 1; j < kRow - 1; ++j)
     for (int i = 1; i < kRow - 1; ++i) {
       const Vertex& vertex = grid[j * kRow + i];
-      const glm::vec3 along = glm::normalize(grid[j * kRow + i + 1].position - grid[j * kRow + i - 1].position);
+      const glm::vec3 along =
+          glm::normalize(grid[j * kRow + i + 1].position - grid[j * kRow + i - 1].position);
       EXPECT_NEAR(glm::dot(glm::vec3(vertex.tangent), along), 1, 1e-4);
       EXPECT_NEAR(glm::dot(vertex.normal, along), 0, 1e-3);
       EXPECT_NEAR(glm::dot(vertex.normal, glm::vec3(vertex.tangent)), 0, 1e-5);

@@ -40,7 +40,8 @@ class Player {
     const Residency::Actions& actions = residency.advance(seconds);
     evictions += int(actions.evict.size());
     loads += int(actions.load.size());
-    for (PartRef ref : actions.evict) std::erase_if(under_way_, [ref](const auto& item) { return item.first == ref; });
+    for (PartRef ref : actions.evict)
+      std::erase_if(under_way_, [ref](const auto& item) { return item.first == ref; });
     for (PartRef ref : actions.load) under_way_.push_back({ref, latency_});
     EXPECT_LE(residency.committedBytes(), budget_) << "over budget";
   }
@@ -84,13 +85,15 @@ TEST(Residency, FadesInAtTheGivenRate) {
 }
 
 TEST(Residency, KeepsTheFloorOfWhatNobodySees) {
-  Player player({.budget_bytes = 400 * kKib, .unseen_floor_share = 0.5f});  // a second part would fit if two floors went
+  Player player({.budget_bytes = 400 * kKib,
+                 .unseen_floor_share = 0.5f});  // a second part would fit if two floors went
   std::vector<uint32_t> slots;
   for (int i = 0; i < 3; ++i) slots.push_back(player.residency.add(fourLevels()));
   for (int i = 0; i < 10; ++i) player.frame({});
   for (uint32_t slot : slots) EXPECT_TRUE(player.residency.resident({slot, 0}));
   for (int i = 0; i < 50; ++i) player.frame({{slots[0], 0.0f}});
-  for (uint32_t slot : slots) EXPECT_TRUE(player.residency.resident({slot, 0})) << "evicted for finer levels of another";
+  for (uint32_t slot : slots)
+    EXPECT_TRUE(player.residency.resident({slot, 0})) << "evicted for finer levels of another";
 }
 
 TEST(Residency, LoadsNothingWithoutABudget) {
@@ -142,7 +145,8 @@ TEST(Residency, PrefersCoarseOfOneToFineOfAnother) {
 }
 
 TEST(Residency, GivesUpLoadsThatNobodyWantsAnyMore) {
-  Player player({.budget_bytes = 100000 * kKib, .floor_bytes = 0, .max_loading = 2}, 1000);  // a very slow disk
+  Player player({.budget_bytes = 100000 * kKib, .floor_bytes = 0, .max_loading = 2},
+                1000);  // a very slow disk
   const uint32_t a = player.residency.add(fourLevels()), b = player.residency.add(fourLevels());
   for (int i = 0; i < 20; ++i) player.frame({{a, 0.0f}});
   EXPECT_EQ(player.loads, 2);
@@ -212,14 +216,17 @@ TEST(Residency, TakesTenThousandMaterials) {
   for (int i = 0; i < 10000; ++i) slots.push_back(player.residency.add(fourLevels(16 * kKib)));
   std::mt19937 random(1);
   for (int i = 0; i < 100; ++i) {
-    for (int k = 0; k < 50; ++k) player.residency.demand(slots[(size_t(i) * 10 + size_t(k)) % slots.size()], 2);
+    for (int k = 0; k < 50; ++k)
+      player.residency.demand(slots[(size_t(i) * 10 + size_t(k)) % slots.size()], 2);
     player.step(kFrame);
   }
   EXPECT_GT(player.residency.residentParts(), 0);
 }
 
 // A reference band, geometry with a small atlas, a flat band, and the full atlas.
-std::vector<PartDesc> withRefinement() { return {{100, 7}, {50, 2}, {200, 2}, {300, 1, true}}; }
+std::vector<PartDesc> withRefinement() {
+  return {{100, 7}, {50, 2}, {200, 2}, {300, 1, true}};
+}
 
 TEST(Residency, ShowsDetailWithoutWhatOnlyRefinesIt) {
   Player player({.budget_bytes = 500, .floor_bytes = 0});
@@ -265,7 +272,8 @@ TEST(Residency, DoesNotRefineWhatIsBroken) {
   EXPECT_TRUE(player.residency.settled());
 }
 
-// A leading part that fits into the floor, the whole that takes its place, geometry, a flat band, and the full atlas.
+// A leading part that fits into the floor, the whole that takes its place, geometry, a flat band, and the
+// full atlas.
 std::vector<PartDesc> withLeadingPart() {
   return {{60 * kKib, 7}, {285 * kKib, 7, true}, {100 * kKib, 2}, {400 * kKib, 2}, {300 * kKib, 1, true}};
 }
@@ -276,7 +284,8 @@ TEST(Residency, KeepsTheLeadingPartAsTheFloor) {
   for (int i = 0; i < 30; ++i) player.frame({});
   EXPECT_TRUE(player.residency.resident({slot, 0}));
   EXPECT_EQ(player.residency.residentParts(), 1);
-  EXPECT_EQ(player.residency.publishedLambda(slot), 2) << "what comes after the whole is missing, not the whole";
+  EXPECT_EQ(player.residency.publishedLambda(slot), 2)
+      << "what comes after the whole is missing, not the whole";
   EXPECT_TRUE(player.residency.settled());
 }
 
@@ -295,7 +304,8 @@ TEST(Residency, FillsUpWithDetailAndThenWithWholes) {
   const uint32_t slot = player.residency.add(withLeadingPart());
   for (int i = 0; i < 100; ++i) player.frame({{slot, 0.0f}});
   EXPECT_TRUE(player.residency.resident({slot, 1}) && player.residency.resident({slot, 3}));
-  EXPECT_FALSE(player.residency.resident({slot, 4})) << "the whole of a coarse band counts more than an atlas";
+  EXPECT_FALSE(player.residency.resident({slot, 4}))
+      << "the whole of a coarse band counts more than an atlas";
   player.setBudget(600 * kKib);
   for (int i = 0; i < 100; ++i) player.frame({{slot, 0.0f}});
   EXPECT_FALSE(player.residency.resident({slot, 1})) << "goes alone: nothing reads through it";
@@ -342,7 +352,8 @@ TEST(Residency, DoesWithoutAWholeThatIsDamaged) {
   const uint32_t slot = player.residency.add(withLeadingPart());
   player.failing = {{slot, 1}};
   for (int i = 0; i < 200; ++i) player.frame({{slot, 0.0f}});
-  EXPECT_TRUE(player.residency.resident({slot, 0}) && player.residency.resident({slot, 3}) && player.residency.resident({slot, 4}));
+  EXPECT_TRUE(player.residency.resident({slot, 0}) && player.residency.resident({slot, 3}) &&
+              player.residency.resident({slot, 4}));
   EXPECT_EQ(player.residency.publishedLambda(slot), 0);
   EXPECT_EQ(player.loads, 5);
   for (int i = 0; i < 300; ++i) player.frame({});
@@ -363,7 +374,8 @@ TEST(Residency, AsksForWhatTakesOverWhenTheEarlierPartIsThere) {
   EXPECT_EQ(player.residency.publishedLambda(slot), 0);
 }
 
-// Twenty visible materials whose wholes would need ten times the budget: each is shown, and nothing goes round in circles.
+// Twenty visible materials whose wholes would need ten times the budget: each is shown, and nothing goes
+// round in circles.
 TEST(Residency, ShowsTheLeadingPartsOfAllInATightBudget) {
   Player player({.budget_bytes = 1300 * kKib}, 2);
   std::vector<uint32_t> slots;
@@ -380,7 +392,8 @@ TEST(Residency, ShowsTheLeadingPartsOfAllInATightBudget) {
 TEST(Residency, ComesNearestToEveryDemandRatherThanToOne) {
   // Room for the detail of one of two, of which one asks for little more than it has.
   Player player({.budget_bytes = 700 * kKib});
-  const uint32_t far = player.residency.add(withLeadingPart()), near = player.residency.add(withLeadingPart());
+  const uint32_t far = player.residency.add(withLeadingPart()),
+                 near = player.residency.add(withLeadingPart());
   for (int i = 0; i < 130; ++i) player.frame({{far, 1.9f}, {near, 0.0f}});
   EXPECT_TRUE(player.residency.resident({near, 3}));
   EXPECT_EQ(player.residency.publishedLambda(near), 0);
@@ -466,11 +479,13 @@ TEST(Residency, LooksAtNothingThatRests) {
   EXPECT_EQ(player.residency.residentParts(), 30000);
 }
 
-// One part per material, and room for one of the two: what is wanted more by a step that exceeds the head start wins.
+// One part per material, and room for one of the two: what is wanted more by a step that exceeds the head
+// start wins.
 TEST(Residency, SettlesWhereOnePartOutranksAnother) {
   for (const float finer : {2.3f, 2.5f, 2.6f, 2.8f, 3.0f, 3.2f}) {
     Player player({.budget_bytes = 100, .floor_bytes = 0}, 1);
-    const uint32_t resident = player.residency.add({{100, 2.0f}}), absent = player.residency.add({{100, finer}});
+    const uint32_t resident = player.residency.add({{100, 2.0f}}),
+                   absent = player.residency.add({{100, finer}});
     for (int i = 0; i < 60; ++i) player.frame({{resident, 0.0f}});
     ASSERT_TRUE(player.residency.resident({resident, 0}));
     for (int i = 0; i < 200; ++i) player.frame({{resident, 0.0f}, {absent, 0.0f}});
@@ -485,7 +500,8 @@ TEST(Residency, SettlesUnderConstantDemand) {
   std::mt19937 random(11);
   const auto below = [&](uint32_t n) { return uint32_t(random() % n); };
   for (int trial = 0; trial < 300; ++trial) {
-    Player player({.budget_bytes = (1 + below(4000)) * kKib, .max_loading = 1 + int(below(8))}, int(below(4)));
+    Player player({.budget_bytes = (1 + below(4000)) * kKib, .max_loading = 1 + int(below(8))},
+                  int(below(4)));
     std::vector<uint32_t> slots;
     const bool damaged = below(3) == 0;
     for (uint32_t i = 0; i < 2 + below(12); ++i) {
@@ -534,13 +550,15 @@ TEST(Residency, NeverExceedsTheBudgetUnderRandomDemand) {
   for (int i = 0; i < 20; ++i) player.failing.push_back({slots[below(40)], below(4)});
   for (int frame = 0; frame < 2000; ++frame) {
     if (below(100) == 0) player.setBudget(below(6000) * kKib);
-    for (uint32_t k = below(10); k > 0; --k) player.residency.demand(slots[below(40)], float(below(500)) * 0.01f);
+    for (uint32_t k = below(10); k > 0; --k)
+      player.residency.demand(slots[below(40)], float(below(500)) * 0.01f);
     player.step(kFrame);
     for (uint32_t slot : slots)
       for (uint32_t part = 1; part < 4; ++part)
         ASSERT_TRUE(!player.residency.resident({slot, part}) || player.residency.resident({slot, part - 1}) ||
                     player.fails({slot, part - 1}))
-            << "a finer part without the coarser one, slot " << slot << ", part " << part << ", frame " << frame;
+            << "a finer part without the coarser one, slot " << slot << ", part " << part << ", frame "
+            << frame;
   }
 }
 

@@ -1,11 +1,10 @@
 // The loading threads, on an asset in memory.
-#include "runtime/stream/streaming.h"
-
 #include <gtest/gtest.h>
 
 #include <latch>
 
 #include "material_fixtures.h"
+#include "runtime/stream/streaming.h"
 
 namespace loden::runtime {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "importer/base/parallel.h"
 #include "importer/base/progress.h"
-#include "material/system/atomic_file.h"
-#include "material/model/color.h"
 #include "material/base/issues.h"
+#include "material/model/color.h"
+#include "material/system/atomic_file.h"
 
 namespace loden::importer {
 namespace {
@@ -71,8 +71,13 @@ DirectionSet setOf(const std::map<DirectionKey, Spherical>& found) {
 
 class BonnFolder : public MeasuredSource {
  public:
-  BonnFolder(fs::path folder, DirectionSet lights, DirectionSet views, std::vector<fs::path> files, glm::ivec2 size)
-      : name_(folder.string()), lights_(std::move(lights)), views_(std::move(views)), files_(std::move(files)), size_(size) {}
+  BonnFolder(fs::path folder, DirectionSet lights, DirectionSet views, std::vector<fs::path> files,
+             glm::ivec2 size)
+      : name_(folder.string()),
+        lights_(std::move(lights)),
+        views_(std::move(views)),
+        files_(std::move(files)),
+        size_(size) {}
   const std::string& name() const override { return name_; }
   glm::ivec2 size() const override { return size_; }
   const DirectionSet& lights() const override { return lights_; }
@@ -87,7 +92,8 @@ class BonnFolder : public MeasuredSource {
       const fs::path& path = files_[size_t(view) * lights_.size() + light];
       const auto picture = readImage(path);
       if (!picture) return picture.issue();
-      if (glm::ivec2(picture->width, picture->height) != size_) return measuredIssue(path, "has another size than the first image");
+      if (glm::ivec2(picture->width, picture->height) != size_)
+        return measuredIssue(path, "has another size than the first image");
       for (int j = 0; j < size_.y; ++j)
         for (int i = 0; i < size_.x; ++i) values.emplace_back(picture->at(i, size_.y - 1 - j));
     }
@@ -118,7 +124,8 @@ std::string angleText(double radians) {
 
 std::optional<BonnAngles> parseBonnName(const std::string& file_name) {
   const std::string name = lowered(file_name);
-  const double tl = angleAfter(name, "tl"), pl = angleAfter(name, "pl"), tv = angleAfter(name, "tv"), pv = angleAfter(name, "pv");
+  const double tl = angleAfter(name, "tl"), pl = angleAfter(name, "pl"), tv = angleAfter(name, "tv"),
+               pv = angleAfter(name, "pv");
   if (!(tl >= 0 && tl <= 90 && tv >= 0 && tv <= 90) || std::isnan(pl) || std::isnan(pv)) return std::nullopt;
   // The pole has one azimuth.
   return BonnAngles{{tl * kDegree, tl == 0 ? 0 : pl * kDegree}, {tv * kDegree, tv == 0 ? 0 : pv * kDegree}};
@@ -126,7 +133,8 @@ std::optional<BonnAngles> parseBonnName(const std::string& file_name) {
 
 bool looksLikeBonnFolder(const fs::path& folder) {
   std::error_code error;
-  for (auto it = fs::recursive_directory_iterator(folder, error); !error && it != fs::recursive_directory_iterator(); it.increment(error))
+  for (auto it = fs::recursive_directory_iterator(folder, error);
+       !error && it != fs::recursive_directory_iterator(); it.increment(error))
     if (isImage(it->path())) return parseBonnName(it->path().filename().string()).has_value();
   return false;
 }
@@ -135,13 +143,16 @@ Result<std::unique_ptr<MeasuredSource>> openBonnFolder(const fs::path& folder) {
   std::map<DirectionKey, Spherical> lights, views;
   std::map<std::pair<DirectionKey, DirectionKey>, fs::path> images;  // (view, light)
   std::error_code error;
-  for (auto it = fs::recursive_directory_iterator(folder, error); !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+  for (auto it = fs::recursive_directory_iterator(folder, error);
+       !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
     const auto angles = isImage(it->path()) ? parseBonnName(it->path().filename().string()) : std::nullopt;
     if (!angles) continue;
     lights.emplace(keyOf(angles->light), angles->light);
     views.emplace(keyOf(angles->view), angles->view);
-    const auto [entry, is_new] = images.emplace(std::pair(keyOf(angles->view), keyOf(angles->light)), it->path());
-    if (!is_new) return measuredIssue(it->path(), "has the same directions as " + entry->second.filename().string());
+    const auto [entry, is_new] =
+        images.emplace(std::pair(keyOf(angles->view), keyOf(angles->light)), it->path());
+    if (!is_new)
+      return measuredIssue(it->path(), "has the same directions as " + entry->second.filename().string());
   }
   if (images.empty()) return measuredIssue(folder, "holds no image named by tl, pl, tv, pv");
   const DirectionSet light_set = setOf(lights), view_set = setOf(views);
@@ -152,14 +163,18 @@ Result<std::unique_ptr<MeasuredSource>> openBonnFolder(const fs::path& folder) {
     for (const glm::dvec3& wi : light_set.samples) {
       const Spherical v = sphericalFromDirection(wo), l = sphericalFromDirection(wi);
       const auto image = images.find({keyOf(v), keyOf(l)});
-      if (image != images.end()) files.push_back(image->second);
+      if (image != images.end())
+        files.push_back(image->second);
       else if (missing++ == 0)
-        first_missing = "tl" + angleText(l.theta) + " pl" + angleText(l.phi) + " tv" + angleText(v.theta) + " pv" + angleText(v.phi);
+        first_missing = "tl" + angleText(l.theta) + " pl" + angleText(l.phi) + " tv" + angleText(v.theta) +
+                        " pv" + angleText(v.phi);
     }
-  if (missing) return measuredIssue(folder, "lacks " + std::to_string(missing) + " images, first " + first_missing);
+  if (missing)
+    return measuredIssue(folder, "lacks " + std::to_string(missing) + " images, first " + first_missing);
   const auto first = BonnFolder::readImage(files.front());
   if (!first) return first.issue();
-  return std::unique_ptr<MeasuredSource>(std::make_unique<BonnFolder>(folder, light_set, view_set, std::move(files), glm::ivec2(first->width, first->height)));
+  return std::unique_ptr<MeasuredSource>(std::make_unique<BonnFolder>(
+      folder, light_set, view_set, std::move(files), glm::ivec2(first->width, first->height)));
 }
 
 namespace {
@@ -169,7 +184,8 @@ Status writeImage(const Picture& picture, const fs::path& path, BonnEncoding enc
   std::vector<unsigned char> rgb;
   for (const glm::vec4& pixel : picture.pixels)
     for (int c = 0; c < 3; ++c)
-      rgb.push_back(static_cast<unsigned char>(std::lround(srgbFromLinear(std::clamp(double(pixel[c]), 0.0, 1.0)) * 255)));
+      rgb.push_back(static_cast<unsigned char>(
+          std::lround(srgbFromLinear(std::clamp(double(pixel[c]), 0.0, 1.0)) * 255)));
   const auto bytes = encodeRgb8(rgb, picture.width, picture.height, PictureCodec::kJpeg);
   if (!bytes) return bytes.issue();
   return writeFileAtomically(path, std::as_bytes(std::span(*bytes)));
@@ -185,7 +201,9 @@ Status writeView(const BtfSource& source, const fs::path& folder, BonnEncoding e
   const fs::path view_folder = folder / (view_text + "_" + view_phi);
   std::error_code error;
   fs::create_directories(view_folder, error);
-  const char* extension = encoding == BonnEncoding::kJpeg ? ".jpg" : encoding == BonnEncoding::kHdr ? ".hdr" : ".exr";
+  const char* extension = encoding == BonnEncoding::kJpeg  ? ".jpg"
+                          : encoding == BonnEncoding::kHdr ? ".hdr"
+                                                           : ".exr";
   for (int light = 0; light < source.lights().size(); ++light) {
     const Spherical l = sphericalFromDirection(source.lights().samples[light]);
     char index[16];
@@ -194,7 +212,8 @@ Status writeView(const BtfSource& source, const fs::path& folder, BonnEncoding e
     for (int j = 0; j < size.y; ++j)
       for (int i = 0; i < size.x; ++i)
         picture.at(i, size.y - 1 - j) = glm::vec4((*values)[light * texels + size_t(j) * size.x + i], 1);
-    const std::string name = std::string(index) + " tl" + angleText(l.theta) + " pl" + angleText(l.phi) + " " + view_text + " " + view_phi + extension;
+    const std::string name = std::string(index) + " tl" + angleText(l.theta) + " pl" + angleText(l.phi) +
+                             " " + view_text + " " + view_phi + extension;
     if (const Status status = writeImage(picture, view_folder / name, encoding); !status) return status;
   }
   return {};
@@ -202,7 +221,8 @@ Status writeView(const BtfSource& source, const fs::path& folder, BonnEncoding e
 
 }  // namespace
 
-Status writeBonnFolder(const BtfSource& source, const fs::path& folder, BonnEncoding encoding, int threads, bool quiet) {
+Status writeBonnFolder(const BtfSource& source, const fs::path& folder, BonnEncoding encoding, int threads,
+                       bool quiet) {
   std::optional<Issue> issue;
   std::mutex mutex;
   Progress progress("write " + folder.filename().string(), source.views().size(), quiet);

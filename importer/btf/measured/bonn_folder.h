@@ -2,15 +2,15 @@
 //
 //   tv030_pv030/00008 tl000 pl000 tv030 pv030.jpg
 //
-// tl, pl: light theta and phi, tv, pv: view; degrees, decimals allowed, any order, either case. The keys count,
-// not the running index. 8-bit images carry no radiometric calibration and are taken as sRGB; HDR and EXR are
-// linear. A picture's top row is y = 1.
+// tl, pl: light theta and phi, tv, pv: view; degrees, decimals allowed, any order, either case. The keys
+// count, not the running index. 8-bit images carry no radiometric calibration and are taken as sRGB; HDR and
+// EXR are linear. A picture's top row is y = 1.
 #pragma once
 
 #include <optional>
 
-#include "importer/btf/measured/measured.h"
 #include "importer/base/picture.h"
+#include "importer/btf/measured/measured.h"
 
 namespace loden::importer {
 
@@ -21,8 +21,8 @@ Result<std::unique_ptr<MeasuredSource>> openBonnFolder(const std::filesystem::pa
 
 enum class BonnEncoding { kJpeg, kHdr, kExr };  // JPEG is clamped to [0, 1]
 // Writes all images of a BTF; `quiet` as for Progress.
-Status writeBonnFolder(const BtfSource& source, const std::filesystem::path& folder, BonnEncoding encoding, int threads,
-                       bool quiet);
+Status writeBonnFolder(const BtfSource& source, const std::filesystem::path& folder, BonnEncoding encoding,
+                       int threads, bool quiet);
 
 // The four angles of a file name, radians; nothing if it is not such a name.
 struct BonnAngles {

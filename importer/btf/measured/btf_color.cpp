@@ -11,7 +11,9 @@ glm::dvec3 rgbFromYuv(const glm::dvec3& yuv) {
   return {yuv.x + 1.13983 * yuv.z, yuv.x - 0.39465 * yuv.y - 0.5806 * yuv.z, yuv.x + 2.03211 * yuv.y};
 }
 
-double signedExp(double x) { return std::copysign(std::exp(std::abs(x) + std::log(kEpsilon)), x); }
+double signedExp(double x) {
+  return std::copysign(std::exp(std::abs(x) + std::log(kEpsilon)), x);
+}
 
 }  // namespace
 
@@ -23,28 +25,34 @@ bool isSupported(int32_t model) {
     case ColorModel::kLogY:
     case ColorModel::kLogAll:
     case ColorModel::kLogYuvRatio:
-    case ColorModel::kLogRgb: return true;
+    case ColorModel::kLogRgb:
+      return true;
   }
   return false;
 }
 
 glm::dvec3 ColorTransform::rgb(const glm::dvec3& s) const {
   switch (model) {
-    case ColorModel::kRgb: return s;
-    case ColorModel::kYuv: return rgbFromYuv(s);
+    case ColorModel::kRgb:
+      return s;
+    case ColorModel::kYuv:
+      return rgbFromYuv(s);
     case ColorModel::kPca: {
       glm::dvec3 out = mean;
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column) out[column] += s[row] * matrix[row * 3 + column];
       return out;
     }
-    case ColorModel::kLogY: return rgbFromYuv({std::exp(s.x) - kEpsilon, s.y, s.z});
-    case ColorModel::kLogAll: return rgbFromYuv({signedExp(s.x), signedExp(s.y), signedExp(s.z)});
+    case ColorModel::kLogY:
+      return rgbFromYuv({std::exp(s.x) - kEpsilon, s.y, s.z});
+    case ColorModel::kLogAll:
+      return rgbFromYuv({signedExp(s.x), signedExp(s.y), signedExp(s.z)});
     case ColorModel::kLogYuvRatio: {
       const double y = std::exp(s.x) - kEpsilon;
       return rgbFromYuv({y, s.y * (y + kEpsilon), s.z * (y + kEpsilon)});
     }
-    case ColorModel::kLogRgb: return glm::exp(s) - kEpsilon;
+    case ColorModel::kLogRgb:
+      return glm::exp(s) - kEpsilon;
   }
   return s;
 }

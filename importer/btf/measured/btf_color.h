@@ -9,11 +9,11 @@ namespace loden::importer::btf {
 enum class ColorModel : int32_t {
   kRgb = 0,
   kYuv = 1,
-  kPca = 3,          // x * matrix + mean
+  kPca = 3,           // x * matrix + mean
   kLogYuvRatio = 11,  // Y = exp(y) - eps; U and V stored divided by Y + eps
   kLogRgb = 12,
-  kLogY = 9,          // Y alone is a logarithm
-  kLogAll = 10,       // sign * exp(|x| + log eps), then YUV
+  kLogY = 9,     // Y alone is a logarithm
+  kLogAll = 10,  // sign * exp(|x| + log eps), then YUV
 };
 
 bool isSupported(int32_t model);

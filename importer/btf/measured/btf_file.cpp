@@ -50,8 +50,8 @@ struct Factors {
   uint64_t rows = 0, cols = 0;
   Numbers u, sv;
 
-  // Calls use(i, col, value) for rows first_row + i * stride, i < count, and all columns. Numbers are converted
-  // once per row and once per column, not once per product.
+  // Calls use(i, col, value) for rows first_row + i * stride, i < count, and all columns. Numbers are
+  // converted once per row and once per column, not once per product.
   template <class Use>
   void decode(size_t first_row, size_t stride, size_t count, const Use& use) const {
     std::vector<float> left;
@@ -71,7 +71,8 @@ struct Factors {
 };
 
 // u8 scalar size, u32 K, u32 rows, u32 cols, S, U, SxV; S is multiplied into V already.
-Result<Factors> readFactors(asset::ByteCursor& cursor, uint64_t rows, uint64_t cols, const std::string& name) {
+Result<Factors> readFactors(asset::ByteCursor& cursor, uint64_t rows, uint64_t cols,
+                            const std::string& name) {
   const uint8_t scalar_size = readU8(cursor);
   Factors factors;
   factors.components = cursor.u32();
@@ -79,8 +80,10 @@ Result<Factors> readFactors(asset::ByteCursor& cursor, uint64_t rows, uint64_t c
   factors.cols = cursor.u32();
   if (!cursor.ok() || factors.components < 1 || factors.components > Limits::kMaxComponents)
     return brokenFile(name, "component count is out of range");
-  const bool straight = factors.rows == rows && factors.cols == cols, turned = factors.rows == cols && factors.cols == rows;
-  if (!straight && !turned) return brokenFile(name, "a matrix does not have the rows and columns that sampling and size ask for");
+  const bool straight = factors.rows == rows && factors.cols == cols,
+             turned = factors.rows == cols && factors.cols == rows;
+  if (!straight && !turned)
+    return brokenFile(name, "a matrix does not have the rows and columns that sampling and size ask for");
   const auto s = readNumbers(cursor, factors.components, 1, scalar_size, name);
   if (!s) return s.issue();
   const auto u = readNumbers(cursor, factors.rows, factors.components, scalar_size, name);
@@ -93,7 +96,9 @@ Result<Factors> readFactors(asset::ByteCursor& cursor, uint64_t rows, uint64_t c
   return factors;
 }
 
-Issue trailing(const std::string& name) { return brokenFile(name, "has bytes behind its data"); }
+Issue trailing(const std::string& name) {
+  return brokenFile(name, "has bytes behind its data");
+}
 
 class DfmfFile : public BtfFile {
  public:
@@ -102,7 +107,9 @@ class DfmfFile : public BtfFile {
     const uint32_t channels = cursor.u32();
     const auto model = static_cast<int32_t>(cursor.u32());
     if (!cursor.ok() || channels != 3) return brokenFile(name_, "DFMF must have three channels");
-    if (!isSupported(model)) return Issue{issue_id::kVersion, Severity::kError, name_, "colour model " + std::to_string(model) + " is not supported"};
+    if (!isSupported(model))
+      return Issue{issue_id::kVersion, Severity::kError, name_,
+                   "colour model " + std::to_string(model) + " is not supported"};
     color_.model = static_cast<ColorModel>(model);
     for (int c = 0; c < 3; ++c) color_.mean[c] = cursor.f32();
     for (double& m : color_.matrix) m = cursor.f32();
@@ -117,9 +124,10 @@ class DfmfFile : public BtfFile {
   Result<std::vector<glm::vec3>> view(int view) const override {
     std::vector<glm::vec3> values(lightCount() * header_.texels());
     for (int c = 0; c < 3; ++c)
-      channels_[c].decode(size_t(view) * lightCount(), 1, lightCount(), [&](size_t light, size_t t, float value) {
-        values[light * header_.texels() + flipped(t)][c] = value;
-      });
+      channels_[c].decode(size_t(view) * lightCount(), 1, lightCount(),
+                          [&](size_t light, size_t t, float value) {
+                            values[light * header_.texels() + flipped(t)][c] = value;
+                          });
     for (glm::vec3& value : values) value = color_.rgb(value);
     return values;
   }
@@ -137,13 +145,16 @@ class FmfFile : public BtfFile {
       const uint8_t version = readU8(cursor);
       if (version >= 1) exponential_ = cursor.u32() != 0;
       if (version >= 2) {
-        const uint64_t width = cursor.u32(), height = cursor.u32(), texels = width * height;  // below 2^64; two bytes each
-        if (!cursor.ok() || texels > cursor.left() / 2) return brokenFile(name_, "its height map is larger than the file");
+        const uint64_t width = cursor.u32(), height = cursor.u32(),
+                       texels = width * height;  // below 2^64; two bytes each
+        if (!cursor.ok() || texels > cursor.left() / 2)
+          return brokenFile(name_, "its height map is larger than the file");
         cursor.bytes(2 * texels);
       }
     }
     cursor.u32();  // the component count, which follows again
-    auto factors = readFactors(cursor, uint64_t{header_.channels} * lightCount() * header_.views.size(), header_.texels(), name_);
+    auto factors = readFactors(cursor, uint64_t{header_.channels} * lightCount() * header_.views.size(),
+                               header_.texels(), name_);
     if (!factors) return factors.issue();
     factors_ = std::move(*factors);
     return cursor.left() == 0 ? Status() : Status(trailing(name_));
@@ -183,9 +194,11 @@ class PvfFile : public BtfFile {
         return brokenFile(name_, "view " + std::to_string(v) + ": component count is out of range");
       if (weights != header_.texels() || dimension != lightCount() * header_.channels)
         return brokenFile(name_, "view " + std::to_string(v) + ": its matrices do not fit sampling and size");
-      for (const auto& [rows, cols, into] : {std::tuple<uint64_t, uint64_t, Numbers*>{view.components, 1, nullptr},
-                                             {dimension, 1, &view.mean}, {dimension, view.components, &view.basis},
-                                             {weights, view.components, &view.weights}}) {
+      for (const auto& [rows, cols, into] :
+           {std::tuple<uint64_t, uint64_t, Numbers*>{view.components, 1, nullptr},
+            {dimension, 1, &view.mean},
+            {dimension, view.components, &view.basis},
+            {weights, view.components, &view.weights}}) {
         const auto numbers = readNumbers(cursor, rows, cols, scalar_size, name_);
         if (!numbers) return numbers.issue();
         if (into) *into = *numbers;
@@ -225,7 +238,9 @@ class BdiFile : public BtfFile {
   Status read(asset::ByteCursor& cursor) {
     lines_per_chunk_ = cursor.u32();
     const uint8_t compression = readU8(cursor);
-    if (compression != 0) return Issue{issue_id::kVersion, Severity::kError, name_, "compressed BDI chunks are not supported; write them in full"};
+    if (compression != 0)
+      return Issue{issue_id::kVersion, Severity::kError, name_,
+                   "compressed BDI chunks are not supported; write them in full"};
     cursor.bytes(header_.texels());  // mask
     if (!cursor.ok() || lines_per_chunk_ < 1) return brokenFile(name_, "chunk height or mask is broken");
     if (const Status status = skipRotations(cursor, header_, name_); !status) return status;
@@ -235,7 +250,9 @@ class BdiFile : public BtfFile {
       const uint32_t bytes = cursor.u32();
       const auto numbers = readNumbers(cursor, lines * header_.width, texel_numbers, 2, name_);
       if (!numbers) return numbers.issue();
-      if (bytes != lines * header_.width * texel_numbers * 2) return brokenFile(name_, "the chunk at line " + std::to_string(line) + " has another size than it says");
+      if (bytes != lines * header_.width * texel_numbers * 2)
+        return brokenFile(name_,
+                          "the chunk at line " + std::to_string(line) + " has another size than it says");
       chunks_.push_back(*numbers);
     }
     return cursor.left() == 0 ? Status() : Status(trailing(name_));
@@ -243,12 +260,14 @@ class BdiFile : public BtfFile {
 
   Result<std::vector<glm::vec3>> view(int view) const override {
     std::vector<glm::vec3> values(lightCount() * header_.texels());
-    const size_t chunk_texels = size_t(lines_per_chunk_) * header_.width, views = static_cast<size_t>(header_.views.size());
+    const size_t chunk_texels = size_t(lines_per_chunk_) * header_.width,
+                 views = static_cast<size_t>(header_.views.size());
     for (size_t t = 0; t < header_.texels(); ++t) {
       const Numbers& chunk = chunks_[t / chunk_texels];
       for (size_t light = 0; light < lightCount(); ++light)
         for (int c = 0; c < 3; ++c) {
-          const size_t at = ((t % chunk_texels * views + view) * lightCount() + light) * header_.channels + rgbChannel(c);
+          const size_t at =
+              ((t % chunk_texels * views + view) * lightCount() + light) * header_.channels + rgbChannel(c);
           values[light * header_.texels() + flipped(t)][c] = static_cast<float>(chunk[at]);
         }
     }
@@ -261,7 +280,8 @@ class BdiFile : public BtfFile {
 };
 
 template <class File>
-Result<std::unique_ptr<MeasuredSource>> opened(std::shared_ptr<const MappedFile> bytes, Header header, asset::ByteCursor cursor, const std::string& name) {
+Result<std::unique_ptr<MeasuredSource>> opened(std::shared_ptr<const MappedFile> bytes, Header header,
+                                               asset::ByteCursor cursor, const std::string& name) {
   auto file = std::make_unique<File>(std::move(bytes), std::move(header), name);
   if (const Status status = file->read(cursor); !status) return status.issue();
   return std::unique_ptr<MeasuredSource>(std::move(file));
@@ -281,10 +301,14 @@ Result<std::unique_ptr<MeasuredSource>> openBtfFile(const std::filesystem::path&
   if (kind != btf::Kind::kBdi)  // there they follow the mask
     if (const Status status = btf::skipRotations(cursor, *header, name); !status) return status.issue();
   switch (kind) {
-    case btf::Kind::kDfmf: return btf::opened<btf::DfmfFile>(std::move(*file), std::move(*header), cursor, name);
-    case btf::Kind::kFmf: return btf::opened<btf::FmfFile>(std::move(*file), std::move(*header), cursor, name);
-    case btf::Kind::kPvf: return btf::opened<btf::PvfFile>(std::move(*file), std::move(*header), cursor, name);
-    case btf::Kind::kBdi: break;
+    case btf::Kind::kDfmf:
+      return btf::opened<btf::DfmfFile>(std::move(*file), std::move(*header), cursor, name);
+    case btf::Kind::kFmf:
+      return btf::opened<btf::FmfFile>(std::move(*file), std::move(*header), cursor, name);
+    case btf::Kind::kPvf:
+      return btf::opened<btf::PvfFile>(std::move(*file), std::move(*header), cursor, name);
+    case btf::Kind::kBdi:
+      break;
   }
   return btf::opened<btf::BdiFile>(std::move(*file), std::move(*header), cursor, name);
 }

@@ -1,5 +1,5 @@
-// Bonn's binary .btf files: DFMF (UBO2014), FMF, PVF and BDI. The values are decoded view by view from the mapped
-// file. Layouts after btflib (Bonn) and btf.hh; the first row of a file is y = 1.
+// Bonn's binary .btf files: DFMF (UBO2014), FMF, PVF and BDI. The values are decoded view by view from the
+// mapped file. Layouts after btflib (Bonn) and btf.hh; the first row of a file is y = 1.
 #pragma once
 
 #include "importer/btf/measured/measured.h"

@@ -10,7 +10,8 @@
 namespace loden::importer {
 
 Result<std::shared_ptr<const MappedFile>> MappedFile::open(const std::filesystem::path& path) {
-  const Issue cannot_open{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
+  const Issue cannot_open{issue_id::kCannotOpen, Severity::kError, path.string(),
+                          "no such file, or not readable"};
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return cannot_open;
   struct stat status {};

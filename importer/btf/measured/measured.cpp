@@ -12,8 +12,9 @@ Result<std::unique_ptr<MeasuredSource>> openMeasured(const std::filesystem::path
   if (Status status = checkOpens(path, Openable::kFileOrFolder); !status) return status.issue();
   if (!std::filesystem::is_directory(path, error)) return openBtfFile(path);
   if (looksLikeBonnFolder(path)) return openBonnFolder(path);
-  return Issue{issue_id::kMeasured, Severity::kError, path.string(),
-               "is neither a finished bake (no bake.json) nor a Bonn image folder (no image named by tl, pl, tv, pv)"};
+  return Issue{
+      issue_id::kMeasured, Severity::kError, path.string(),
+      "is neither a finished bake (no bake.json) nor a Bonn image folder (no image named by tl, pl, tv, pv)"};
 }
 
 }  // namespace loden::importer

@@ -33,9 +33,10 @@ struct Reciprocity {
 };
 Result<Reciprocity> checkReciprocity(const BtfSource& source, int threads);
 
-// The source with the light's cosine in its values, whether it came with it or not: decided by the check where
-// that is decisive, else by the source's flag, else taken as included. `note` says what was found, and if the flag
-// disagrees.
-Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<BtfSource> source, CosineFlag flag, int threads, std::string& note);
+// The source with the light's cosine in its values, whether it came with it or not: decided by the check
+// where that is decisive, else by the source's flag, else taken as included. `note` says what was found, and
+// if the flag disagrees.
+Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<BtfSource> source, CosineFlag flag, int threads,
+                                              std::string& note);
 
 }  // namespace loden::importer

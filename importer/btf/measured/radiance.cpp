@@ -27,7 +27,8 @@ bool readScanline(const std::string& bytes, size_t& at, int width, std::vector<u
   const auto left = [&] { return bytes.size() - at; };
   const auto byte = [&](size_t offset) { return static_cast<unsigned char>(bytes[at + offset]); };
   if (left() < 4) return false;
-  const bool encoded = width >= 8 && width < 32768 && byte(0) == 2 && byte(1) == 2 && (byte(2) << 8 | byte(3)) == width;
+  const bool encoded =
+      width >= 8 && width < 32768 && byte(0) == 2 && byte(1) == 2 && (byte(2) << 8 | byte(3)) == width;
   if (!encoded) {
     if (left() < size_t(width) * 4) return false;
     for (int i = 0; i < width * 4; ++i) rgbe[i] = byte(i);
@@ -52,24 +53,29 @@ bool readScanline(const std::string& bytes, size_t& at, int width, std::vector<u
 
 Result<Picture> readRadiance(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
+  if (!file)
+    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   const size_t header_end = bytes.find("\n\n");
-  if (!bytes.starts_with("#?") || header_end == std::string::npos) return radianceIssue(path, "is no Radiance picture");
+  if (!bytes.starts_with("#?") || header_end == std::string::npos)
+    return radianceIssue(path, "is no Radiance picture");
   const size_t line_end = bytes.find('\n', header_end + 2);
   if (line_end == std::string::npos) return radianceIssue(path, "has no resolution line");
   const std::string resolution = bytes.substr(header_end + 2, line_end - header_end - 2);
   int width = 0, height = 0;
   const bool usual = std::sscanf(resolution.c_str(), "-Y %d +X %d", &height, &width) == 2;
   const bool atrium = !usual && std::sscanf(resolution.c_str(), "+X %d -Y %d", &width, &height) == 2;
-  if (!usual && !atrium) return radianceIssue(path, "has the pixel order '" + resolution + "', which is not supported");
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) return radianceIssue(path, "sides must be 1 to 16384");
+  if (!usual && !atrium)
+    return radianceIssue(path, "has the pixel order '" + resolution + "', which is not supported");
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
+    return radianceIssue(path, "sides must be 1 to 16384");
 
   size_t at = line_end + 1;
   std::vector<unsigned char> rgbe(size_t(width) * 4);
   Picture picture{width, height, std::vector<glm::vec4>(size_t(width) * height)};
   for (int row = 0; row < height; ++row) {
-    if (!readScanline(bytes, at, width, rgbe)) return radianceIssue(path, "ends or breaks in row " + std::to_string(row));
+    if (!readScanline(bytes, at, width, rgbe))
+      return radianceIssue(path, "ends or breaks in row " + std::to_string(row));
     const int y = atrium ? height - 1 - row : row;
     for (int x = 0; x < width; ++x) picture.at(x, y) = fromRgbe(&rgbe[size_t(x) * 4]);
   }

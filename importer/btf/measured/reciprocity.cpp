@@ -4,8 +4,8 @@
 #include <mutex>
 #include <optional>
 
-#include "importer/btf/measured/measured.h"
 #include "importer/base/parallel.h"
+#include "importer/btf/measured/measured.h"
 
 namespace loden::importer {
 namespace {
@@ -48,7 +48,8 @@ class CosineApplied : public BtfSource {
     auto values = source_->view(view);
     if (!values) return values;
     const size_t texels = size_t(size().x) * size().y;
-    for (size_t i = 0; i < values->size(); ++i) (*values)[i] *= static_cast<float>(lights().samples[i / texels].z);
+    for (size_t i = 0; i < values->size(); ++i)
+      (*values)[i] *= static_cast<float>(lights().samples[i / texels].z);
     return values;
   }
 
@@ -86,17 +87,23 @@ Result<Reciprocity> checkReciprocity(const BtfSource& source, int threads) {
   return result;
 }
 
-Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<BtfSource> source, CosineFlag flag, int threads, std::string& note) {
+Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<BtfSource> source, CosineFlag flag, int threads,
+                                              std::string& note) {
   const auto check = checkReciprocity(*source, threads);
   if (!check) return check.issue();
   const bool flag_says = flag != CosineFlag::kNotIncluded;
   const bool included = check->decisive() ? check->cosineIncluded() : flag_says;
   char text[300];
-  std::snprintf(text, sizeof text, "reciprocity slope %.2f over %d pairs (1: values contain cos(theta_light), 0: they do not): %s",
-                check->slope, check->pairs, check->decisive() ? (included ? "contained" : "not contained, multiplied in") : "undecided");
+  std::snprintf(
+      text, sizeof text,
+      "reciprocity slope %.2f over %d pairs (1: values contain cos(theta_light), 0: they do not): %s",
+      check->slope, check->pairs,
+      check->decisive() ? (included ? "contained" : "not contained, multiplied in") : "undecided");
   note = text;
-  if (check->decisive() && flag != CosineFlag::kUnknown && flag_says != included) note += "; the header's flag says otherwise";
-  if (!check->decisive()) note += flag == CosineFlag::kUnknown ? "; taken as contained" : "; the header's flag is taken";
+  if (check->decisive() && flag != CosineFlag::kUnknown && flag_says != included)
+    note += "; the header's flag says otherwise";
+  if (!check->decisive())
+    note += flag == CosineFlag::kUnknown ? "; taken as contained" : "; the header's flag is taken";
   if (included) return source;
   return std::unique_ptr<BtfSource>(std::make_unique<CosineApplied>(std::move(source)));
 }

@@ -1,5 +1,5 @@
-// The materials of a tile's glTF file: metallic-roughness with its textures and KHR_texture_transform; what else they
-// hold is not baked, and warned of. Not installed.
+// The materials of a tile's glTF file: metallic-roughness with its textures and KHR_texture_transform; what
+// else they hold is not baked, and warned of. Not installed.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -24,13 +24,14 @@ inline constexpr const char* kTextureTransform = "KHR_texture_transform";
 // How a texture is laid over a primitive.
 struct GltfTextureUse {
   int set = -1;  // n of TEXCOORD_n; -1: there is no texture
-  glm::dmat3 transform{1};  // texture coordinates of the picture from those of the vertices (KHR_texture_transform)
+  glm::dmat3 transform{
+      1};  // texture coordinates of the picture from those of the vertices (KHR_texture_transform)
 };
 
 struct GltfMaterial {
-  std::string label;                      // "material 3 'Linen'"
-  LocalBrdf brdf;                         // of the factors alone
-  uint32_t index = TexturePoint::kNone;   // in GltfMaterials::textured, if it has textures
+  std::string label;                     // "material 3 'Linen'"
+  LocalBrdf brdf;                        // of the factors alone
+  uint32_t index = TexturePoint::kNone;  // in GltfMaterials::textured, if it has textures
   GltfTextureUse base_color, metallic_roughness;
 };
 

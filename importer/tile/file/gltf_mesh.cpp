@@ -1,5 +1,5 @@
-// A tile's polygons from a glTF file. Tinygltf parses; this file checks what tinygltf does not: nesting depth,
-// paths, accessor extents, required extensions, node loops.
+// A tile's polygons from a glTF file. Tinygltf parses; this file checks what tinygltf does not: nesting
+// depth, paths, accessor extents, required extensions, node loops.
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
@@ -14,9 +14,9 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/tile/file/gltf_materials.h"
 #include "importer/tile/polygon_mesh.h"
-#include "material/system/confined_path.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/issues.h"
+#include "material/system/confined_path.h"
 
 namespace loden::importer {
 namespace {
@@ -46,10 +46,15 @@ bool readInto(std::vector<unsigned char>* out, std::string* error, const std::st
   out->assign(text->begin(), text->end());
   return true;
 }
-std::string sameUri(const std::string& uri, void*) { return uri; }
-bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
+std::string sameUri(const std::string& uri, void*) {
+  return uri;
+}
+bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+  return false;
+}
 
-// --- Accessors ----------------------------------------------------------------------------------------------
+// --- Accessors
+// ----------------------------------------------------------------------------------------------
 
 struct ComponentKind {
   size_t bytes;
@@ -65,29 +70,39 @@ double readAs(const unsigned char* at) {
 
 std::optional<ComponentKind> componentKind(int type) {
   switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE: return ComponentKind{1, readAs<int8_t>, 127};
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return ComponentKind{1, readAs<uint8_t>, 255};
-    case TINYGLTF_COMPONENT_TYPE_SHORT: return ComponentKind{2, readAs<int16_t>, 32767};
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return ComponentKind{2, readAs<uint16_t>, 65535};
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return ComponentKind{4, readAs<uint32_t>, 4294967295.0};
-    case TINYGLTF_COMPONENT_TYPE_FLOAT: return ComponentKind{4, readAs<float>, 1};
-    default: return std::nullopt;
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return ComponentKind{1, readAs<int8_t>, 127};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return ComponentKind{1, readAs<uint8_t>, 255};
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return ComponentKind{2, readAs<int16_t>, 32767};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return ComponentKind{2, readAs<uint16_t>, 65535};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return ComponentKind{4, readAs<uint32_t>, 4294967295.0};
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return ComponentKind{4, readAs<float>, 1};
+    default:
+      return std::nullopt;
   }
 }
 
 class GltfMeshReader {
  public:
-  GltfMeshReader(const tinygltf::Model& model, const std::string& name) : model_(model), name_(name), materials_(model, name) {}
+  GltfMeshReader(const tinygltf::Model& model, const std::string& name)
+      : model_(model), name_(name), materials_(model, name) {}
   Result<PolygonMesh> read();
 
  private:
   Status addNode(int node, const glm::dmat4& parent, int depth);
-  Status addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& world, const std::string& where);
+  Status addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& world,
+                      const std::string& where);
   // [element][channel] as doubles; `channels` must match.
   Result<std::vector<double>> accessor(int index, int channels, const std::string& where) const;
   Status addIndices(int index, size_t first, size_t vertices, const std::string& where);
   Status addMaterial(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where);
-  Result<std::vector<glm::dvec2>> textureCoordinates(const tinygltf::Primitive& primitive, const GltfTextureUse& use, size_t vertices,
+  Result<std::vector<glm::dvec2>> textureCoordinates(const tinygltf::Primitive& primitive,
+                                                     const GltfTextureUse& use, size_t vertices,
                                                      const std::string& where) const;
 
   Issue refuse(int id, const std::string& where, const std::string& why) const {
@@ -105,9 +120,11 @@ class GltfMeshReader {
 glm::dmat4 localMatrix(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
   glm::dmat4 m(1);
-  if (node.translation.size() == 3) m[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1);
+  if (node.translation.size() == 3)
+    m[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1);
   if (node.rotation.size() == 4)
-    m *= glm::mat4_cast(glm::normalize(glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2])));
+    m *= glm::mat4_cast(
+        glm::normalize(glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2])));
   if (node.scale.size() == 3)
     for (int k = 0; k < 3; ++k) m[k] *= node.scale[size_t(k)];
   return m;
@@ -116,7 +133,8 @@ glm::dmat4 localMatrix(const tinygltf::Node& node) {
 Result<PolygonMesh> GltfMeshReader::read() {
   if (model_.scenes.empty()) return refuse(issue_id::kGltfNode, "scenes", "there is no scene");
   const size_t scene = model_.defaultScene >= 0 ? size_t(model_.defaultScene) : 0;
-  if (scene >= model_.scenes.size()) return refuse(issue_id::kGltfNode, "scene", "the default scene does not exist");
+  if (scene >= model_.scenes.size())
+    return refuse(issue_id::kGltfNode, "scene", "the default scene does not exist");
   visited_.assign(model_.nodes.size(), false);
   for (const int node : model_.scenes[scene].nodes)
     if (const Status status = addNode(node, glm::dmat4(1), 0); !status) return status.issue();
@@ -129,42 +147,55 @@ Result<PolygonMesh> GltfMeshReader::read() {
 
 Status GltfMeshReader::addNode(int index, const glm::dmat4& parent, int depth) {
   const std::string where = "node " + std::to_string(index);
-  if (index < 0 || size_t(index) >= model_.nodes.size()) return refuse(issue_id::kGltfNode, where, "does not exist");
-  // glTF's nodes form trees: whoever is met twice is a loop, or one of the doublings that make few bytes endless.
-  if (visited_[size_t(index)]) return refuse(issue_id::kGltfNode, where, "is met twice: nodes have one parent at most");
+  if (index < 0 || size_t(index) >= model_.nodes.size())
+    return refuse(issue_id::kGltfNode, where, "does not exist");
+  // glTF's nodes form trees: whoever is met twice is a loop, or one of the doublings that make few bytes
+  // endless.
+  if (visited_[size_t(index)])
+    return refuse(issue_id::kGltfNode, where, "is met twice: nodes have one parent at most");
   if (depth > kMaxNodeDepth) return refuse(issue_id::kGltfNode, where, "nests too deeply");
   visited_[size_t(index)] = true;
   const tinygltf::Node& node = model_.nodes[size_t(index)];
   const glm::dmat4 world = parent * localMatrix(node);
   if (node.mesh >= 0) {
-    if (size_t(node.mesh) >= model_.meshes.size()) return refuse(issue_id::kGltfNode, where, "its mesh does not exist");
+    if (size_t(node.mesh) >= model_.meshes.size())
+      return refuse(issue_id::kGltfNode, where, "its mesh does not exist");
     const auto& primitives = model_.meshes[size_t(node.mesh)].primitives;
     for (size_t k = 0; k < primitives.size(); ++k)
-      if (Status s = addPrimitive(primitives[k], world, "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(k)); !s) return s;
+      if (Status s = addPrimitive(primitives[k], world,
+                                  "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(k));
+          !s)
+        return s;
   }
   for (const int child : node.children)
     if (Status s = addNode(child, world, depth + 1); !s) return s;
   return {};
 }
 
-Result<std::vector<double>> GltfMeshReader::accessor(int index, int channels, const std::string& where) const {
+Result<std::vector<double>> GltfMeshReader::accessor(int index, int channels,
+                                                     const std::string& where) const {
   const auto bad = [&](const std::string& why) {
     return refuse(issue_id::kGltfAccessor, where + ", accessor " + std::to_string(index), why);
   };
   if (index < 0 || size_t(index) >= model_.accessors.size()) return bad("does not exist");
   const tinygltf::Accessor& a = model_.accessors[size_t(index)];
   const auto kind = componentKind(a.componentType);
-  if (!kind || tinygltf::GetNumComponentsInType(uint32_t(a.type)) != channels) return bad("has the wrong type");
+  if (!kind || tinygltf::GetNumComponentsInType(uint32_t(a.type)) != channels)
+    return bad("has the wrong type");
   if (a.sparse.isSparse || a.bufferView < 0) return bad("is sparse or empty; store plain data");
   if (size_t(a.bufferView) >= model_.bufferViews.size()) return bad("its buffer view does not exist");
   const tinygltf::BufferView& view = model_.bufferViews[size_t(a.bufferView)];
-  if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size()) return bad("its buffer does not exist");
+  if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+    return bad("its buffer does not exist");
   const auto& bytes = model_.buffers[size_t(view.buffer)].data;
-  if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset) return bad("its buffer view ends behind its buffer");
+  if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
+    return bad("its buffer view ends behind its buffer");
   const size_t element = kind->bytes * size_t(channels), stride = view.byteStride ? view.byteStride : element;
-  if (a.count == 0 || a.count > kMaxElements || stride < element || stride > 65536) return bad("has no elements, too many, or a bad stride");
+  if (a.count == 0 || a.count > kMaxElements || stride < element || stride > 65536)
+    return bad("has no elements, too many, or a bad stride");
   const uint64_t need = uint64_t(stride) * (a.count - 1) + element;
-  if (a.byteOffset > view.byteLength || need > view.byteLength - a.byteOffset) return bad("ends behind its buffer view");
+  if (a.byteOffset > view.byteLength || need > view.byteLength - a.byteOffset)
+    return bad("ends behind its buffer view");
   std::vector<double> values;
   values.reserve(a.count * size_t(channels));
   const unsigned char* first = bytes.data() + view.byteOffset + a.byteOffset;
@@ -176,8 +207,10 @@ Result<std::vector<double>> GltfMeshReader::accessor(int index, int channels, co
   return values;
 }
 
-Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& world, const std::string& where) {
-  if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES) return refuse(issue_id::kTileGeometry, where, "is no triangle list");
+Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const glm::dmat4& world,
+                                    const std::string& where) {
+  if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES)
+    return refuse(issue_id::kTileGeometry, where, "is no triangle list");
   const auto attribute = [&](const char* key) {
     const auto found = primitive.attributes.find(key);
     return found == primitive.attributes.end() ? -1 : found->second;
@@ -194,10 +227,13 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
   if (attribute("NORMAL") >= 0) {
     const auto normals = accessor(attribute("NORMAL"), 3, where + " NORMAL");
     if (!normals) return normals.issue();
-    if (normals->size() != positions->size()) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of normals and positions");
-    const glm::dmat3 m(world), cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    if (normals->size() != positions->size())
+      return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of normals and positions");
+    const glm::dmat3 m(world),
+        cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     const double front = glm::determinant(m) < 0 ? -1 : 1;  // a mirror keeps normals on their side
-    for (size_t v = 0; v < vertices; ++v) mesh_.normals.push_back(zUp(front * cofactor * glm::make_vec3(&(*normals)[3 * v])));
+    for (size_t v = 0; v < vertices; ++v)
+      mesh_.normals.push_back(zUp(front * cofactor * glm::make_vec3(&(*normals)[3 * v])));
   }
   mesh_.normals.resize(first + vertices, glm::dvec3(0));
 
@@ -205,7 +241,9 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
   if (attribute("TEXCOORD_0") >= 0) {
     const auto uvs = accessor(attribute("TEXCOORD_0"), 2, where + " TEXCOORD_0");
     if (!uvs) return uvs.issue();
-    if (uvs->size() != 2 * vertices) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
+    if (uvs->size() != 2 * vertices)
+      return refuse(issue_id::kGltfAccessor, where,
+                    "has unequal numbers of texture coordinates and positions");
     for (size_t v = 0; v < vertices; ++v) mesh_.uvs.push_back({(*uvs)[2 * v], (*uvs)[2 * v + 1]});
   } else {
     without_uvs_ = true;
@@ -214,7 +252,8 @@ Status GltfMeshReader::addPrimitive(const tinygltf::Primitive& primitive, const 
   const size_t first_corner = mesh_.corners.size();
   if (Status s = addIndices(primitive.indices, first, vertices, where); !s) return s;
   if (glm::determinant(glm::dmat3(world)) < 0)  // a mirror: glTF turns the triangles with it
-    for (size_t k = first_corner; k < mesh_.corners.size(); k += 3) std::swap(mesh_.corners[k + 1], mesh_.corners[k + 2]);
+    for (size_t k = first_corner; k < mesh_.corners.size(); k += 3)
+      std::swap(mesh_.corners[k + 1], mesh_.corners[k + 2]);
   return addMaterial(primitive, vertices, where);
 }
 
@@ -227,22 +266,26 @@ Status GltfMeshReader::addIndices(int index, size_t first, size_t vertices, cons
   } else {
     for (size_t v = 0; v < vertices; ++v) indices.push_back(double(v));
   }
-  if (indices.size() % 3) return refuse(issue_id::kTileGeometry, where, "its number of indices is no multiple of 3");
+  if (indices.size() % 3)
+    return refuse(issue_id::kTileGeometry, where, "its number of indices is no multiple of 3");
   for (size_t k = 0; k < indices.size(); ++k) {
     if (!(indices[k] >= 0 && indices[k] < double(vertices)))
-      return refuse(issue_id::kGltfAccessor, where + ", triangle " + std::to_string(k / 3), "names a vertex that does not exist");
+      return refuse(issue_id::kGltfAccessor, where + ", triangle " + std::to_string(k / 3),
+                    "names a vertex that does not exist");
     mesh_.corners.push_back(uint32_t(first + size_t(indices[k])));
   }
   mesh_.face_sizes.insert(mesh_.face_sizes.end(), indices.size() / 3, 3);
   return {};
 }
 
-Status GltfMeshReader::addMaterial(const tinygltf::Primitive& primitive, size_t vertices, const std::string& where) {
+Status GltfMeshReader::addMaterial(const tinygltf::Primitive& primitive, size_t vertices,
+                                   const std::string& where) {
   const auto found = materials_.at(primitive.material);
   if (!found) return found.issue();
   const GltfMaterial& material = **found;
   if (primitive.attributes.contains("COLOR_0"))
-    materials_.warn(where + ", " + material.label, "COLOR_0 is not baked; put the vertices' colours into a base colour texture");
+    materials_.warn(where + ", " + material.label,
+                    "COLOR_0 is not baked; put the vertices' colours into a base colour texture");
   mesh_.brdfs.insert(mesh_.brdfs.end(), vertices, material.brdf);
   const size_t first = mesh_.texture_points.size();
   mesh_.texture_points.resize(first + vertices);
@@ -251,27 +294,35 @@ Status GltfMeshReader::addMaterial(const tinygltf::Primitive& primitive, size_t 
   if (!base_color) return base_color.issue();
   const auto metallic_roughness = textureCoordinates(primitive, material.metallic_roughness, vertices, where);
   if (!metallic_roughness) return metallic_roughness.issue();
-  for (size_t v = 0; v < vertices; ++v) mesh_.texture_points[first + v] = {material.index, (*base_color)[v], (*metallic_roughness)[v]};
+  for (size_t v = 0; v < vertices; ++v)
+    mesh_.texture_points[first + v] = {material.index, (*base_color)[v], (*metallic_roughness)[v]};
   return {};
 }
 
 // Of all vertices; 0 if there is no texture.
-Result<std::vector<glm::dvec2>> GltfMeshReader::textureCoordinates(const tinygltf::Primitive& primitive, const GltfTextureUse& use, size_t vertices,
+Result<std::vector<glm::dvec2>> GltfMeshReader::textureCoordinates(const tinygltf::Primitive& primitive,
+                                                                   const GltfTextureUse& use, size_t vertices,
                                                                    const std::string& where) const {
   std::vector<glm::dvec2> coordinates(vertices, glm::dvec2(0));
   if (use.set < 0) return coordinates;
   const std::string attribute = "TEXCOORD_" + std::to_string(use.set);
   const auto found = primitive.attributes.find(attribute);
-  if (found == primitive.attributes.end()) return refuse(issue_id::kGltfAccessor, where, "has no " + attribute + ", which a texture of its material asks for");
+  if (found == primitive.attributes.end())
+    return refuse(issue_id::kGltfAccessor, where,
+                  "has no " + attribute + ", which a texture of its material asks for");
   const auto read = accessor(found->second, 2, where + " " + attribute);
   if (!read) return read.issue();
-  if (read->size() != 2 * vertices) return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
-  for (size_t v = 0; v < vertices; ++v) coordinates[v] = glm::dvec2(use.transform * glm::dvec3((*read)[2 * v], (*read)[2 * v + 1], 1));
+  if (read->size() != 2 * vertices)
+    return refuse(issue_id::kGltfAccessor, where, "has unequal numbers of texture coordinates and positions");
+  for (size_t v = 0; v < vertices; ++v)
+    coordinates[v] = glm::dvec2(use.transform * glm::dvec3((*read)[2 * v], (*read)[2 * v + 1], 1));
   return coordinates;
 }
 
 // What the runtime's scenes may require, and what tiles have besides.
-bool isReadable(std::string_view extension) { return isSupportedGltfExtension(extension) || extension == kTextureTransform; }
+bool isReadable(std::string_view extension) {
+  return isSupportedGltfExtension(extension) || extension == kTextureTransform;
+}
 
 Status checkRequired(const nlohmann::ordered_json& json, const std::string& name) {
   for (size_t k = 0; k < arraySize(json, "extensionsRequired"); ++k) {
@@ -301,13 +352,16 @@ Result<PolygonMesh> readGltfMesh(const fs::path& path) {
   const auto size = static_cast<unsigned>(bytes->size());
   bool loaded = false;
   try {
-    loaded = document->binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes->data()), size)
-                              : loader.LoadASCIIFromString(&model, &error, &warning, bytes->data(), size, "");
+    loaded = document->binary
+                 ? loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                               reinterpret_cast<const unsigned char*>(bytes->data()), size)
+                 : loader.LoadASCIIFromString(&model, &error, &warning, bytes->data(), size, "");
   } catch (const std::exception& thrown) {
     error = thrown.what();
   }
   // An error beside a loaded file: what stands behind it in the same object was not read.
-  if (!loaded || !error.empty()) return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};
+  if (!loaded || !error.empty())
+    return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};
   return GltfMeshReader(model, name).read();
 }
 

@@ -6,15 +6,16 @@
 #include <set>
 
 #include "importer/mesh/periodic_mesh.h"
-#include "importer/tile/file/tile_params.h"
 #include "importer/mesh/weld.h"
+#include "importer/tile/file/tile_params.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
 namespace {
 
-constexpr double kNeedle = 1e-5;  // height, or shortest edge, per longest edge: below, a triangle has no shape
-constexpr double kSame = 1e-7;    // of equal positions, per extent of the mesh
+constexpr double kNeedle =
+    1e-5;                       // height, or shortest edge, per longest edge: below, a triangle has no shape
+constexpr double kSame = 1e-7;  // of equal positions, per extent of the mesh
 
 struct Face {
   glm::uvec3 corners;
@@ -23,12 +24,14 @@ struct Face {
 
 // Of vertices of one triangle.
 TexturePoint between(const TexturePoint& a, const TexturePoint& b, double t) {
-  return {a.material, glm::mix(a.base_color, b.base_color, t), glm::mix(a.metallic_roughness, b.metallic_roughness, t)};
+  return {a.material, glm::mix(a.base_color, b.base_color, t),
+          glm::mix(a.metallic_roughness, b.metallic_roughness, t)};
 }
 
 class Repair {
  public:
-  Repair(PolygonMesh& mesh, const std::string& where) : mesh_(mesh), where_(where), triangles_(triangulate(mesh)) {
+  Repair(PolygonMesh& mesh, const std::string& where)
+      : mesh_(mesh), where_(where), triangles_(triangulate(mesh)) {
     for (size_t t = 0; t < triangles_.size(); ++t) faces_.push_back({triangles_[t], t});
     glm::dvec3 low(1e300), high(-1e300);
     for (const glm::dvec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
@@ -105,7 +108,8 @@ class Repair {
 
   // How far along ab the vertex lies, if it lies on it and not at its ends; else 0.
   double along(const Edge& ab, uint32_t v) const {
-    const glm::dvec3 a = mesh_.positions[ab.first], ab_vector = mesh_.positions[ab.second] - a, av = mesh_.positions[v] - a;
+    const glm::dvec3 a = mesh_.positions[ab.first], ab_vector = mesh_.positions[ab.second] - a,
+                     av = mesh_.positions[v] - a;
     const double length = glm::length(ab_vector), t = glm::dot(av, ab_vector) / (length * length);
     const double off = glm::length(av - t * ab_vector);
     return t > kNeedle && t < 1 - kNeedle && off <= kNeedle * length ? t : 0;
@@ -124,11 +128,14 @@ class Repair {
     for (const Edge& e : open) {
       const auto [low, high] = std::minmax(mesh_.positions[e.first].x, mesh_.positions[e.second].x);
       const double margin = kNeedle * glm::distance(mesh_.positions[e.first], mesh_.positions[e.second]);
-      for (auto it = std::lower_bound(by_x.begin(), by_x.end(), std::pair(low - margin, 0u)); it != by_x.end() && it->first <= high + margin; ++it) {
+      for (auto it = std::lower_bound(by_x.begin(), by_x.end(), std::pair(low - margin, 0u));
+           it != by_x.end() && it->first <= high + margin; ++it) {
         const uint32_t v = it->second;
         if (along(e, v) == 0) continue;
         const auto& others = beside.at(v);
-        if (std::any_of(others.begin(), others.end(), [&](uint32_t w) { return w == e.first || w == e.second || along(e, w) > 0; })) found[e].push_back(v);
+        if (std::any_of(others.begin(), others.end(),
+                        [&](uint32_t w) { return w == e.first || w == e.second || along(e, w) > 0; }))
+          found[e].push_back(v);
       }
     }
     return found;
@@ -141,7 +148,8 @@ class Repair {
     mesh_.normals.push_back(glm::mix(mesh_.normals[a], mesh_.normals[b], t));
     if (!mesh_.uvs.empty()) mesh_.uvs.push_back(glm::mix(mesh_.uvs[a], mesh_.uvs[b], t));
     mesh_.brdfs.push_back(LocalBrdf(mesh_.brdfs[t < 0.5 ? a : b]));
-    if (!mesh_.texture_points.empty()) mesh_.texture_points.push_back(between(mesh_.texture_points[a], mesh_.texture_points[b], t));
+    if (!mesh_.texture_points.empty())
+      mesh_.texture_points.push_back(between(mesh_.texture_points[a], mesh_.texture_points[b], t));
     same_.push_back(v);
     return uint32_t(mesh_.positions.size() - 1);
   }
@@ -152,11 +160,14 @@ class Repair {
     for (size_t at_face = 0; at_face < faces_.size(); ++at_face)  // grows: halves are looked at again
       for (int k = 0; k < 3; ++k) {
         const Face f = faces_[at_face];
-        // The pieces of a split edge are no keys themselves, so look for the vertices on any open edge they lie on.
+        // The pieces of a split edge are no keys themselves, so look for the vertices on any open edge they
+        // lie on.
         const Edge mine = edge(f, k);
         const std::vector<uint32_t>* vertices = nullptr;
-        if (const auto it = found.find(mine); it != found.end()) vertices = &it->second;
-        else if (const auto it2 = pieces_.find(mine); it2 != pieces_.end()) vertices = &found.at(it2->second);
+        if (const auto it = found.find(mine); it != found.end())
+          vertices = &it->second;
+        else if (const auto it2 = pieces_.find(mine); it2 != pieces_.end())
+          vertices = &found.at(it2->second);
         if (!vertices) continue;
         const Edge whole = found.contains(mine) ? mine : pieces_.at(mine);
         for (const uint32_t v : *vertices) {
@@ -175,14 +186,18 @@ class Repair {
   }
 
   Status checkEdges() const {
-    std::map<Edge, std::vector<std::pair<size_t, bool>>> uses;  // number in the file, from lower to higher vertex
+    std::map<Edge, std::vector<std::pair<size_t, bool>>>
+        uses;  // number in the file, from lower to higher vertex
     for (const Face& f : faces_)
       for (int k = 0; k < 3; ++k) uses[edge(f, k)].push_back({f.number, node(f, k) < node(f, k + 1)});
     for (const auto& [e, faces] : uses) {
       if (faces.size() < 2 || (faces.size() == 2 && faces[0].second != faces[1].second)) continue;
-      return Issue{issue_id::kTileGeometry, Severity::kError, triangleName({where_}, faces.back().first, mesh_.positions, triangles_),
-                   faces.size() > 2 ? "an edge is shared by more than two triangles (the surface is not a manifold); repair the mesh"
-                                    : "faces the opposite way of triangle " + std::to_string(faces[0].first) + " beside it; turn one of them over"};
+      return Issue{issue_id::kTileGeometry, Severity::kError,
+                   triangleName({where_}, faces.back().first, mesh_.positions, triangles_),
+                   faces.size() > 2 ? "an edge is shared by more than two triangles (the surface is not a "
+                                      "manifold); repair the mesh"
+                                    : "faces the opposite way of triangle " + std::to_string(faces[0].first) +
+                                          " beside it; turn one of them over"};
     }
     return {};
   }
@@ -191,7 +206,8 @@ class Repair {
     mesh_.face_sizes.assign(faces_.size(), 3);
     mesh_.corners.clear();
     for (const Face& f : faces_) mesh_.numbers.push_back(uint32_t(f.number));
-    for (const Face& f : faces_) mesh_.corners.insert(mesh_.corners.end(), {f.corners.x, f.corners.y, f.corners.z});
+    for (const Face& f : faces_)
+      mesh_.corners.insert(mesh_.corners.end(), {f.corners.x, f.corners.y, f.corners.z});
   }
 
   // Says what has become of the file's triangles.
@@ -202,22 +218,27 @@ class Repair {
     const auto pieces = std::ptrdiff_t(faces_.size()) - (std::ptrdiff_t(triangles_.size()) - dropped);
     if (dropped == 0 && pieces == 0) return;
     const auto first = size_t(std::find(kept.begin(), kept.end(), false) - kept.begin());
-    const std::string place = dropped > 0 ? triangleName({where_}, first, mesh_.positions, triangles_) : where_;
+    const std::string place =
+        dropped > 0 ? triangleName({where_}, first, mesh_.positions, triangles_) : where_;
     mesh_.warnings.push_back({issue_id::kTileGeometry, Severity::kWarning, place,
-                              "repaired: " + std::to_string(dropped) + " triangles without area or repeated left out, " + std::to_string(pieces) + " more where open edges were split at vertices on them"});
+                              "repaired: " + std::to_string(dropped) +
+                                  " triangles without area or repeated left out, " + std::to_string(pieces) +
+                                  " more where open edges were split at vertices on them"});
   }
 
   PolygonMesh& mesh_;
   const std::string& where_;
   const std::vector<glm::uvec3> triangles_;  // as in the file
   std::vector<Face> faces_;
-  std::vector<uint32_t> same_;  // per vertex: the lowest in the same place
+  std::vector<uint32_t> same_;   // per vertex: the lowest in the same place
   std::map<Edge, Edge> pieces_;  // of split edges: the whole edge
   double tolerance_ = 0;
 };
 
 }  // namespace
 
-Status repairMesh(PolygonMesh& mesh, const std::string& where) { return Repair(mesh, where).run(); }
+Status repairMesh(PolygonMesh& mesh, const std::string& where) {
+  return Repair(mesh, where).run();
+}
 
 }  // namespace loden::importer

@@ -1,5 +1,5 @@
-// A tile's polygons from a Wavefront OBJ file: v, vt, vn, f (polygons, negative indices), and Kd, Ks, Ns of the
-// materials beside it. z is up.
+// A tile's polygons from a Wavefront OBJ file: v, vt, vn, f (polygons, negative indices), and Kd, Ks, Ns of
+// the materials beside it. z is up.
 #include <array>
 #include <limits>
 #include <map>
@@ -9,8 +9,8 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/tile/mesh_material.h"
 #include "importer/tile/polygon_mesh.h"
-#include "material/system/confined_path.h"
 #include "material/base/issues.h"
+#include "material/system/confined_path.h"
 
 namespace loden::importer {
 namespace {
@@ -24,11 +24,13 @@ class ObjReader {
 
  private:
   Status readLine(const std::string& keyword, std::istringstream& line);
-  Result<std::vector<double>> numbers(std::istringstream& line, size_t least, size_t most, const std::string& where) const;
+  Result<std::vector<double>> numbers(std::istringstream& line, size_t least, size_t most,
+                                      const std::string& where) const;
   Status readFace(std::istringstream& line);
   Result<uint32_t> vertex(const std::string& corner);
   Status readMaterials(const std::string& file);
-  Status readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where, glm::vec3& specular, LocalBrdf& brdf);
+  Status readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where,
+                          glm::vec3& specular, LocalBrdf& brdf);
   std::string here() const { return path_.string() + ": line " + std::to_string(line_); }
   Issue refuse(int id, const std::string& why) const { return {id, Severity::kError, here(), why}; }
 
@@ -58,10 +60,13 @@ Result<PolygonMesh> ObjReader::read(const std::string& text) {
   return std::move(mesh_);
 }
 
-// The numbers at the start of the rest of the line: `most` of them, those from `least` on 0 where the line ends
-// before them.
-Result<std::vector<double>> ObjReader::numbers(std::istringstream& line, size_t least, size_t most, const std::string& where) const {
-  const auto issue = [&](const std::string& text) { return Issue{issue_id::kTileGeometry, Severity::kError, where, text}; };
+// The numbers at the start of the rest of the line: `most` of them, those from `least` on 0 where the line
+// ends before them.
+Result<std::vector<double>> ObjReader::numbers(std::istringstream& line, size_t least, size_t most,
+                                               const std::string& where) const {
+  const auto issue = [&](const std::string& text) {
+    return Issue{issue_id::kTileGeometry, Severity::kError, where, text};
+  };
   std::vector<double> values;
   // As text first: streams refuse "nan", which must be reported as such, with its vertex.
   for (std::string token; values.size() < most && line >> token;) {
@@ -69,7 +74,8 @@ Result<std::vector<double>> ObjReader::numbers(std::istringstream& line, size_t 
     values.push_back(std::strtod(token.c_str(), &end));
     if (end == token.c_str() || *end != '\0') return issue("'" + token + "' is not a number");
   }
-  if (values.size() < least) return issue("has " + std::to_string(values.size()) + " numbers and needs " + std::to_string(least));
+  if (values.size() < least)
+    return issue("has " + std::to_string(values.size()) + " numbers and needs " + std::to_string(least));
   values.resize(most, 0.0);
   return values;
 }
@@ -112,7 +118,8 @@ Result<uint32_t> ObjReader::vertex(const std::string& corner) {
     const bool none = key[k] == 0 && !counted_back && k > 0;
     if (!none && (key[k] < 1 || key[k] > long(counts[k])))
       return refuse(issue_id::kTileGeometry, "'" + corner + "' names a vertex that does not exist");
-    if (*end != '/' && *end != '\0') return refuse(issue_id::kTileGeometry, "'" + corner + "' is no vertex of a face");
+    if (*end != '/' && *end != '\0')
+      return refuse(issue_id::kTileGeometry, "'" + corner + "' is no vertex of a face");
     if (*end == '\0') break;
     at = end + 1;
   }
@@ -168,12 +175,13 @@ Status ObjReader::readMaterials(const std::string& file) {
   return {};
 }
 
-Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstream& line, const std::string& where,
-                                   glm::vec3& specular, LocalBrdf& brdf) {
+Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstream& line,
+                                   const std::string& where, glm::vec3& specular, LocalBrdf& brdf) {
   const auto checked = [&](double value, double most) -> Status {
     if (value >= 0 && value <= most) return {};
     std::ostringstream text;
-    text << keyword << " is " << value << " and must be " << (most == 1 ? "0 to 1" : "a finite number from 0 on") << "; correct the material";
+    text << keyword << " is " << value << " and must be "
+         << (most == 1 ? "0 to 1" : "a finite number from 0 on") << "; correct the material";
     return Issue{issue_id::kTileMaterial, Severity::kError, where, text.str()};
   };
   if (keyword == "Kd" || keyword == "Ks") {
@@ -188,7 +196,8 @@ Status ObjReader::readMaterialLine(const std::string& keyword, std::istringstrea
     if (Status status = checked((*exponent)[0], std::numeric_limits<float>::max()); !status) return status;
     brdf.exponent = static_cast<float>((*exponent)[0]);
   } else if (keyword.starts_with("map_")) {
-    mesh_.warnings.push_back({issue_id::kTileMaterial, Severity::kWarning, where, keyword + " is not baked; textures are taken from glTF files"});
+    mesh_.warnings.push_back({issue_id::kTileMaterial, Severity::kWarning, where,
+                              keyword + " is not baked; textures are taken from glTF files"});
   }
   brdf.specular = luminance(specular) * lobePeak(brdf.exponent);
   return {};

@@ -7,8 +7,8 @@
 #include <map>
 #include <memory>
 
-#include "importer/tile/polygon_mesh.h"
 #include "importer/mesh/weld.h"
+#include "importer/tile/polygon_mesh.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -34,7 +34,8 @@ struct Primvar {
   }
 };
 
-// Texture coordinates of both pictures; they may jump where the surface does not, so corners have them, not vertices.
+// Texture coordinates of both pictures; they may jump where the surface does not, so corners have them, not
+// vertices.
 struct Coordinates {
   glm::dvec4 uvs{0};
   void Clear() { *this = {}; }
@@ -46,8 +47,9 @@ struct PeriodicCage {
   std::vector<Primvar> vertices;
   std::vector<int> face_sizes, corners;  // the middle copy's faces first
   size_t middle_faces = 0;
-  // If something is textured: values that differ, and which of them each corner has. Corners at one vertex and of one
-  // material share a value if their coordinates are equal; elsewhere is a seam, as along the period's border.
+  // If something is textured: values that differ, and which of them each corner has. Corners at one vertex
+  // and of one material share a value if their coordinates are equal; elsewhere is a seam, as along the
+  // period's border.
   std::vector<Coordinates> coordinates;
   std::vector<int> coordinates_of_corner;
   std::vector<uint32_t> material_of_face;  // of the middle copy
@@ -55,13 +57,15 @@ struct PeriodicCage {
   bool textured() const { return !coordinates.empty(); }
 };
 
-void addTextures(const PolygonMesh& mesh, const std::vector<uint32_t>& joined, size_t copies, PeriodicCage& cage) {
+void addTextures(const PolygonMesh& mesh, const std::vector<uint32_t>& joined, size_t copies,
+                 PeriodicCage& cage) {
   std::map<std::array<double, 6>, int> values;
   std::vector<int> value_of(mesh.positions.size());
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     const TexturePoint& at = mesh.texture_points[v];
     const glm::dvec4 uvs(at.base_color, at.metallic_roughness);
-    const auto [entry, added] = values.try_emplace({double(joined[v]), double(at.material), uvs.x, uvs.y, uvs.z, uvs.w}, int(values.size()));
+    const auto [entry, added] = values.try_emplace(
+        {double(joined[v]), double(at.material), uvs.x, uvs.y, uvs.z, uvs.w}, int(values.size()));
     if (added) cage.coordinates.push_back({uvs});
     value_of[v] = entry->second;
   }
@@ -69,7 +73,8 @@ void addTextures(const PolygonMesh& mesh, const std::vector<uint32_t>& joined, s
   for (size_t copy = 0; copy < copies; ++copy) {
     if (copy > 0)
       for (size_t k = 0; k < in_copy; ++k) cage.coordinates.push_back(Coordinates(cage.coordinates[k]));
-    for (const uint32_t corner : mesh.corners) cage.coordinates_of_corner.push_back(value_of[corner] + int(copy * in_copy));
+    for (const uint32_t corner : mesh.corners)
+      cage.coordinates_of_corner.push_back(value_of[corner] + int(copy * in_copy));
   }
   size_t first = 0;
   for (const int size : mesh.face_sizes) {
@@ -89,7 +94,11 @@ Result<PeriodicCage> repeatCage(const PolygonMesh& mesh, const glm::dvec2& perio
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
       positions.push_back(mesh.positions[v] + glm::dvec3(glm::dvec2(copy) * period, 0));
       const LocalBrdf& brdf = mesh.brdfs[v];
-      all.push_back({positions.back(), mesh.uvs[v] + glm::dvec2(copy), glm::dvec3(brdf.diffuse), {brdf.specular, brdf.exponent}, glm::dvec4(brdf.f0, brdf.alpha)});
+      all.push_back({positions.back(),
+                     mesh.uvs[v] + glm::dvec2(copy),
+                     glm::dvec3(brdf.diffuse),
+                     {brdf.specular, brdf.exponent},
+                     glm::dvec4(brdf.f0, brdf.alpha)});
     }
   const auto joined = weldVertices(positions, glm::dvec3(0), kTolerance * period.x);
   PeriodicCage cage;
@@ -97,12 +106,14 @@ Result<PeriodicCage> repeatCage(const PolygonMesh& mesh, const glm::dvec2& perio
   for (size_t v = 0; v < positions.size(); ++v) {
     const uint32_t same = joined[v];
     if (glm::any(glm::greaterThan(glm::abs(all[v].uv - all[same].uv), glm::dvec2(kTolerance))))
-      return Issue{issue_id::kTileUv, Severity::kError, where + ": vertex " + std::to_string(v % mesh.positions.size()),
+      return Issue{issue_id::kTileUv, Severity::kError,
+                   where + ": vertex " + std::to_string(v % mesh.positions.size()),
                    "a cage needs one unbroken parameterization: texture coordinates jump here"};
     if (same == v) index[v] = int(cage.vertices.size()), cage.vertices.push_back(all[v]);
   }
   for (size_t copy = 0; copy < copies.size(); ++copy)
-    for (const uint32_t corner : mesh.corners) cage.corners.push_back(index[joined[copy * mesh.positions.size() + corner]]);
+    for (const uint32_t corner : mesh.corners)
+      cage.corners.push_back(index[joined[copy * mesh.positions.size() + corner]]);
   for (size_t copy = 0; copy < copies.size(); ++copy)
     cage.face_sizes.insert(cage.face_sizes.end(), mesh.face_sizes.begin(), mesh.face_sizes.end());
   cage.middle_faces = mesh.face_sizes.size();
@@ -111,7 +122,8 @@ Result<PeriodicCage> repeatCage(const PolygonMesh& mesh, const glm::dvec2& perio
 }
 
 std::unique_ptr<Far::TopologyRefiner> makeRefiner(const PeriodicCage& cage, int levels) {
-  const bool triangles = std::all_of(cage.face_sizes.begin(), cage.face_sizes.end(), [](int size) { return size == 3; });
+  const bool triangles =
+      std::all_of(cage.face_sizes.begin(), cage.face_sizes.end(), [](int size) { return size == 3; });
   const Sdc::SchemeType scheme = triangles ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK;
   Sdc::Options options;
   options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
@@ -126,7 +138,8 @@ std::unique_ptr<Far::TopologyRefiner> makeRefiner(const PeriodicCage& cage, int 
   channel.valueIndices = cage.coordinates_of_corner.data();
   if (cage.textured()) descriptor.numFVarChannels = 1, descriptor.fvarChannels = &channel;
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  std::unique_ptr<Far::TopologyRefiner> refiner(Factory::Create(descriptor, Factory::Options(scheme, options)));
+  std::unique_ptr<Far::TopologyRefiner> refiner(
+      Factory::Create(descriptor, Factory::Options(scheme, options)));
   Far::TopologyRefiner::UniformOptions uniform(levels);
   uniform.fullTopologyInLastLevel = true;  // limit positions need it
   if (refiner) refiner->RefineUniform(uniform);
@@ -140,7 +153,8 @@ size_t cageFace(const Far::TopologyRefiner& refiner, int levels, int face) {
 }
 
 // At the limit, per value of the last level.
-std::vector<Coordinates> limitCoordinates(const Far::TopologyRefiner& refiner, int levels, std::vector<Coordinates> values) {
+std::vector<Coordinates> limitCoordinates(const Far::TopologyRefiner& refiner, int levels,
+                                          std::vector<Coordinates> values) {
   const Far::PrimvarRefiner primvars(refiner);
   for (int level = 1; level <= levels; ++level) {
     std::vector<Coordinates> finer(size_t(refiner.GetLevel(level).GetNumFVarValues()));
@@ -154,12 +168,15 @@ std::vector<Coordinates> limitCoordinates(const Far::TopologyRefiner& refiner, i
 
 }  // namespace
 
-Result<PolygonMesh> subdivideMesh(const PolygonMesh& mesh, const glm::dvec2& period, int levels, const std::string& where) {
+Result<PolygonMesh> subdivideMesh(const PolygonMesh& mesh, const glm::dvec2& period, int levels,
+                                  const std::string& where) {
   LODEN_CHECK_LT(0, levels);
   const auto cage = repeatCage(mesh, period, where);
   if (!cage) return cage.issue();
   const auto refiner = makeRefiner(*cage, levels);
-  if (!refiner) return Issue{issue_id::kTileGeometry, Severity::kError, where, "OpenSubdiv refuses the cage: its faces do not form a surface"};
+  if (!refiner)
+    return Issue{issue_id::kTileGeometry, Severity::kError, where,
+                 "OpenSubdiv refuses the cage: its faces do not form a surface"};
 
   const Far::PrimvarRefiner primvars(*refiner);
   std::vector<Primvar> level_values = cage->vertices;
@@ -168,7 +185,8 @@ Result<PolygonMesh> subdivideMesh(const PolygonMesh& mesh, const glm::dvec2& per
     primvars.Interpolate(level, level_values, finer);
     level_values = std::move(finer);
   }
-  std::vector<Primvar> limit(level_values.size()), tangent(level_values.size()), bitangent(level_values.size());
+  std::vector<Primvar> limit(level_values.size()), tangent(level_values.size()),
+      bitangent(level_values.size());
   primvars.Limit(level_values, limit, tangent, bitangent);
 
   std::vector<Coordinates> coordinates;
@@ -184,7 +202,8 @@ Result<PolygonMesh> subdivideMesh(const PolygonMesh& mesh, const glm::dvec2& per
     const size_t parent = cageFace(*refiner, levels, face);
     if (parent >= cage->middle_faces) continue;
     const Far::ConstIndexArray corners = last.GetFaceVertices(face);
-    const Far::ConstIndexArray values = cage->textured() ? last.GetFaceFVarValues(face) : corners;  // one vertex each
+    const Far::ConstIndexArray values =
+        cage->textured() ? last.GetFaceFVarValues(face) : corners;  // one vertex each
     result.face_sizes.push_back(corners.size());
     for (int k = 0; k < corners.size(); ++k) {
       const auto v = size_t(corners[k]), value = size_t(values[k]);
@@ -193,8 +212,8 @@ Result<PolygonMesh> subdivideMesh(const PolygonMesh& mesh, const glm::dvec2& per
         result.positions.push_back(limit[v].position);
         result.normals.push_back(glm::normalize(glm::cross(tangent[v].position, bitangent[v].position)));
         result.uvs.push_back(limit[v].uv);
-        result.brdfs.push_back({glm::vec3(limit[v].diffuse), float(limit[v].specular.x), float(limit[v].specular.y), glm::vec3(limit[v].ggx),
-                                float(limit[v].ggx.w)});
+        result.brdfs.push_back({glm::vec3(limit[v].diffuse), float(limit[v].specular.x),
+                                float(limit[v].specular.y), glm::vec3(limit[v].ggx), float(limit[v].ggx.w)});
         if (cage->textured()) {
           const glm::dvec4& uvs = coordinates[value].uvs;
           result.texture_points.push_back({cage->material_of_face[parent], glm::dvec2(uvs), {uvs.z, uvs.w}});

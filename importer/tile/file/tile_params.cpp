@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "importer/tile/charts.h"
 #include "importer/mesh/parameterize.h"
 #include "importer/mesh/periodic_mesh.h"
 #include "importer/mesh/segment.h"
 #include "importer/mesh/weld.h"
+#include "importer/tile/charts.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -18,7 +18,9 @@ namespace {
 
 constexpr double kMatch = 1e-4;  // tolerance of matching borders, periods and texture coordinates
 
-Issue refuse(int id, const std::string& where, const std::string& why) { return {id, Severity::kError, where, why}; }
+Issue refuse(int id, const std::string& where, const std::string& why) {
+  return {id, Severity::kError, where, why};
+}
 
 // P(uv + axis) - P(uv) from the vertices that stand one period of texture coordinates apart; nothing if there
 // are none, or if they disagree.
@@ -57,9 +59,13 @@ Result<Lattice> latticeOf(const glm::dvec3& u, const glm::dvec3& v, const std::s
   lattice.flip = glm::sign(glm::dvec2(x.x, y.y));
   const double off = std::max({std::abs(x.y), std::abs(x.z), std::abs(y.x), std::abs(y.z)});
   if (lattice.period == 0 || off > 10 * kMatch * lattice.period)
-    return refuse(issue_id::kTileUv, where, "u and v do not run along the tile's sides: the tile must lie flat (xz plane in glTF, xy plane in OBJ) with its sides along the axes");
+    return refuse(issue_id::kTileUv, where,
+                  "u and v do not run along the tile's sides: the tile must lie flat (xz plane in glTF, xy "
+                  "plane in OBJ) with its sides along the axes");
   if (std::abs(std::abs(y.y) - lattice.period) > 10 * kMatch * lattice.period)
-    return refuse(issue_id::kTileGeometry, where, "the period is not square (" + std::to_string(lattice.period) + " x " + std::to_string(std::abs(y.y)) + "); repeat or scale the tile until it is");
+    return refuse(issue_id::kTileGeometry, where,
+                  "the period is not square (" + std::to_string(lattice.period) + " x " +
+                      std::to_string(std::abs(y.y)) + "); repeat or scale the tile until it is");
   return lattice;
 }
 
@@ -81,14 +87,16 @@ Status checkFolds(const PolygonMesh& mesh, const MeshName& name) {
   const auto triangles = triangulate(mesh);
   size_t folded = 0, first = 0;
   for (size_t t = 0; t < triangles.size(); ++t) {
-    const glm::dvec2 a = mesh.uvs[triangles[t].x], u = mesh.uvs[triangles[t].y] - a, v = mesh.uvs[triangles[t].z] - a;
+    const glm::dvec2 a = mesh.uvs[triangles[t].x], u = mesh.uvs[triangles[t].y] - a,
+                     v = mesh.uvs[triangles[t].z] - a;
     const double area = u.x * v.y - u.y * v.x;
     if (area < -1e-9 * std::max(glm::dot(u, u), glm::dot(v, v)) && folded++ == 0) first = t;
   }
   if (2 * folded > triangles.size()) return {};  // upside down: seen later, from above
   if (folded == 0) return {};
   return refuse(issue_id::kTileUv, triangleName(name, first, mesh.positions, triangles),
-                "its texture coordinates lie over those of others (so do " + std::to_string(folded - 1) + " more): spread them, or leave texture coordinates out, and they are made");
+                "its texture coordinates lie over those of others (so do " + std::to_string(folded - 1) +
+                    " more): spread them, or leave texture coordinates out, and they are made");
 }
 
 // Period 1 at the origin, for a mesh whose texture coordinates do not say what its period is.
@@ -96,9 +104,12 @@ Status scaleToPeriod(PolygonMesh& mesh, MeshName& name) {
   const auto period = findPeriod(mesh.positions, triangulate(mesh), name.file);
   if (!period) return period.issue();
   if (std::abs(period->x - period->y) > 10 * kMatch * period->x)
-    return refuse(issue_id::kTileGeometry, name.file, "the period is not square (" + std::to_string(period->x) + " x " + std::to_string(period->y) + "); repeat or scale the tile until it is");
+    return refuse(issue_id::kTileGeometry, name.file,
+                  "the period is not square (" + std::to_string(period->x) + " x " +
+                      std::to_string(period->y) + "); repeat or scale the tile until it is");
   glm::dvec2 low(1e300), high(-1e300);
-  for (const glm::dvec3& p : mesh.positions) low = glm::min(low, glm::dvec2(p)), high = glm::max(high, glm::dvec2(p));
+  for (const glm::dvec3& p : mesh.positions)
+    low = glm::min(low, glm::dvec2(p)), high = glm::max(high, glm::dvec2(p));
   // By whole periods, so that what is near the origin stays in place: rays are of single precision.
   const glm::dvec3 away(glm::floor((low + high) / (2 * period->x)), 0);
   for (glm::dvec3& p : mesh.positions) p = p / period->x - away;
@@ -114,7 +125,8 @@ Status refine(PolygonMesh& mesh, int subdivide, const std::string& where) {
   return {};
 }
 
-// Vertices as the charts have them, and copies of those that lie on several places of pictures; every polygon a triangle.
+// Vertices as the charts have them, and copies of those that lie on several places of pictures; every polygon
+// a triangle.
 void takeCharts(const ChartedMesh& charted, const std::vector<glm::uvec3>& triangles, PolygonMesh& mesh) {
   PolygonMesh split;
   const bool textured = !mesh.texture_points.empty();
@@ -146,7 +158,8 @@ void takeCharts(const ChartedMesh& charted, const std::vector<glm::uvec3>& trian
   mesh = std::move(split);
 }
 
-// For a mesh of period 1: one periodic map if the surface is one closed piece that repeats both ways, else charts.
+// For a mesh of period 1: one periodic map if the surface is one closed piece that repeats both ways, else
+// charts.
 Result<ParamOrigin> makeParams(PolygonMesh& mesh, const MeshName& name) {
   const auto triangles = triangulate(mesh);
   const PeriodicNodes nodes = periodicNodes(mesh.positions);
@@ -154,12 +167,15 @@ Result<ParamOrigin> makeParams(PolygonMesh& mesh, const MeshName& name) {
   if (!neighbours) return neighbours.issue();
   if (countComponents(*neighbours) == 1) {
     auto made = parameterizeTorus(mesh.positions, triangles, name);
-    const bool open = std::any_of(neighbours->begin(), neighbours->end(), [](const Neighbour& n) { return !n.exists(); });
+    const bool open =
+        std::any_of(neighbours->begin(), neighbours->end(), [](const Neighbour& n) { return !n.exists(); });
     if (made) mesh.uvs = std::move(made->params);
     if (made) return ParamOrigin::kLattice;
-    // Holes are more likely a mistake than meant, and what is too coarse for a map is so for charts. But a tube
-    // folds, and other surfaces have handles.
-    if (open || (made.issue().id != issue_id::kTileGeometry && eulerNumber(nodes, triangles, *neighbours) == 0)) return made.issue();
+    // Holes are more likely a mistake than meant, and what is too coarse for a map is so for charts. But a
+    // tube folds, and other surfaces have handles.
+    if (open ||
+        (made.issue().id != issue_id::kTileGeometry && eulerNumber(nodes, triangles, *neighbours) == 0))
+      return made.issue();
   }
   const auto charted = segmentMesh(mesh.positions, triangles, name);
   if (!charted) return charted.issue();
@@ -184,7 +200,8 @@ std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh) {
   std::vector<glm::uvec3> triangles;
   size_t first = 0;
   for (const int size : mesh.face_sizes) {
-    for (size_t k = 2; k < size_t(size); ++k) triangles.push_back({mesh.corners[first], mesh.corners[first + k - 1], mesh.corners[first + k]});
+    for (size_t k = 2; k < size_t(size); ++k)
+      triangles.push_back({mesh.corners[first], mesh.corners[first + k - 1], mesh.corners[first + k]});
     first += size_t(size);
   }
   return triangles;

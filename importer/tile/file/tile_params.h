@@ -14,9 +14,9 @@ enum class ParamOrigin {
   kCharts,   // made, each chart on its own and not yet packed
 };
 
-// The mesh with period 1 and parameters: the file's, where they repeat with the surface or are an atlas; else made
-// (importer/mesh/parameterize.h for a surface in one closed piece, importer/mesh/segment.h for others). Refines the cage
-// `subdivide` times. Polygons may come back as triangles.
+// The mesh with period 1 and parameters: the file's, where they repeat with the surface or are an atlas; else
+// made (importer/mesh/parameterize.h for a surface in one closed piece, importer/mesh/segment.h for others).
+// Refines the cage `subdivide` times. Polygons may come back as triangles.
 Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::string& where);
 
 std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh);

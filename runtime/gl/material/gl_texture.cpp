@@ -17,15 +17,24 @@ GlFormat glFormat(const PartTexture& part) {
   // The packed geometry image: four bytes as one integer, so that one gather returns a whole patch.
   if (part.plain_2d) return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
   switch (part.texels.format) {
-    case TexelFormat::kR8Unorm: return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
-    case TexelFormat::kRG8Unorm: return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
-    case TexelFormat::kRGBA8Unorm: return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
-    case TexelFormat::kRGBA8Snorm: return {GL_RGBA8_SNORM, GL_RGBA, GL_BYTE};
-    case TexelFormat::kRG16Snorm: return {GL_RG16_SNORM, GL_RG, GL_SHORT};
-    case TexelFormat::kRGBA16Unorm: return {GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
-    case TexelFormat::kRGBA16Snorm: return {GL_RGBA16_SNORM, GL_RGBA, GL_SHORT};
-    case TexelFormat::kRGBA16Sfloat: return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-    case TexelFormat::kRGBA32Sfloat: return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
+    case TexelFormat::kR8Unorm:
+      return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+    case TexelFormat::kRG8Unorm:
+      return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
+    case TexelFormat::kRGBA8Unorm:
+      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
+    case TexelFormat::kRGBA8Snorm:
+      return {GL_RGBA8_SNORM, GL_RGBA, GL_BYTE};
+    case TexelFormat::kRG16Snorm:
+      return {GL_RG16_SNORM, GL_RG, GL_SHORT};
+    case TexelFormat::kRGBA16Unorm:
+      return {GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT};
+    case TexelFormat::kRGBA16Snorm:
+      return {GL_RGBA16_SNORM, GL_RGBA, GL_SHORT};
+    case TexelFormat::kRGBA16Sfloat:
+      return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
+    case TexelFormat::kRGBA32Sfloat:
+      return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
   }
   LODEN_CHECK(!"texel format without a GL format");
   return {};
@@ -50,7 +59,10 @@ GlTexture allocateTexture(const PartTexture& part, std::string_view label) {
   const Texture& t = part.texels;
   const GLenum internal = glFormat(part).internal;
   const bool volume = t.shape == TextureShape::kVolume;
-  GlTexture texture = makeTexture(volume ? GL_TEXTURE_3D : part.plain_2d ? GL_TEXTURE_2D : GL_TEXTURE_2D_ARRAY, label);
+  GlTexture texture = makeTexture(volume          ? GL_TEXTURE_3D
+                                  : part.plain_2d ? GL_TEXTURE_2D
+                                                  : GL_TEXTURE_2D_ARRAY,
+                                  label);
   if (part.plain_2d)
     glTextureStorage2D(texture.name(), t.mips, internal, t.width, t.height);
   else
@@ -83,13 +95,15 @@ bool TextureUpload::step(const PartTexture& part, uint32_t texture, int64_t& bud
 uint64_t TextureUpload::uploadSome(const PartTexture& part, uint32_t texture, uint64_t budget) {
   const Texture& t = part.texels;
   const int width = t.mipWidth(mip_), height = t.mipHeight(mip_), depth = t.depth;
-  const uint64_t row_bytes = uint64_t(width) * uint64_t(texelBytes(t.format)), layer_bytes = row_bytes * uint64_t(height);
+  const uint64_t row_bytes = uint64_t(width) * uint64_t(texelBytes(t.format)),
+                 layer_bytes = row_bytes * uint64_t(height);
   int rows = height, layers = 1;
   if (row_ == 0 && budget >= layer_bytes)
     layers = int(std::min(uint64_t(depth - layer_), budget / layer_bytes));
   else
     rows = int(std::clamp(budget / row_bytes, uint64_t(1), uint64_t(height - row_)));
-  const std::byte* texels = t.data.data() + t.mipOffset(mip_) + layer_bytes * uint64_t(layer_) + row_bytes * uint64_t(row_);
+  const std::byte* texels =
+      t.data.data() + t.mipOffset(mip_) + layer_bytes * uint64_t(layer_) + row_bytes * uint64_t(row_);
   const GlFormat gl = glFormat(part);
   if (part.plain_2d)
     glTextureSubImage2D(texture, mip_, 0, row_, width, rows, gl.format, gl.type, texels);

@@ -11,8 +11,8 @@
 
 namespace loden::runtime {
 
-// Immutable storage for the texture's extents, and its sampling parameters; no texels yet. Empty if the driver has no
-// memory for it.
+// Immutable storage for the texture's extents, and its sampling parameters; no texels yet. Empty if the
+// driver has no memory for it.
 GlTexture allocateTexture(const PartTexture& part, std::string_view label);
 
 // One unsigned byte per texel, side x side, nearest: indices for usampler2D.

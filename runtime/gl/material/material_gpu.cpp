@@ -13,7 +13,8 @@
 namespace loden::runtime {
 namespace {
 
-PartTexture oneTexel(int unit, TexelFormat format, TextureShape shape, bool plain_2d, const glm::vec4& value) {
+PartTexture oneTexel(int unit, TexelFormat format, TextureShape shape, bool plain_2d,
+                     const glm::vec4& value) {
   PartTexture texel{unit, Sampling::kRepeatNearest, plain_2d, "", Texture::make(format, shape, 1, 1, 1)};
   storeTexel(texel.texels, 0, 0, 0, 0, value);
   return texel;
@@ -31,7 +32,8 @@ GlTexture uploadWhole(const PartTexture& part, const std::string& label) {
 }
 
 std::string directionsKey(const DirectionSet& set) {
-  return std::string(reinterpret_cast<const char*>(set.samples.data()), set.samples.size() * sizeof set.samples[0]);
+  return std::string(reinterpret_cast<const char*>(set.samples.data()),
+                     set.samples.size() * sizeof set.samples[0]);
 }
 
 // The fitted mean as one analytic surface, for surface maps that are not there yet.
@@ -63,7 +65,8 @@ void SharedTextures::contextLost() {
 std::vector<uint32_t> SharedTextures::emptyUnits(const MaterialVariant& variant) const {
   std::vector<uint32_t> units(size_t(unitsOf(variant)), empty_array_.name());
   for (int b = 0; b < variant.bands; ++b)
-    units[size_t(LODEN_UNIT_TABLE(variant.bands) + b)] = units[size_t(LODEN_UNIT_ENVIRONMENT(variant.bands) + b)] = empty_volume_.name();
+    units[size_t(LODEN_UNIT_TABLE(variant.bands) + b)] =
+        units[size_t(LODEN_UNIT_ENVIRONMENT(variant.bands) + b)] = empty_volume_.name();
   units[LODEN_UNIT_GEOMETRY] = empty_2d_.name();
   units[LODEN_UNIT_VDIM_VOLUME] = empty_volume_.name();
   if (variant.nearest_tables)
@@ -76,15 +79,20 @@ std::shared_ptr<const GlTexture> SharedTextures::nearestImage(const DirectionSet
   std::erase_if(nearest_, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<GlTexture>& shared = nearest_[directionsKey(set)];
   if (auto texture = shared.lock()) return texture;
-  const auto texture = std::make_shared<GlTexture>(
-      makeIndexTexture(nearestDirectionLookup(set, kNearestLookupSide), kNearestLookupSide, "nearest of " + directionsName(set)));
+  const auto texture =
+      std::make_shared<GlTexture>(makeIndexTexture(nearestDirectionLookup(set, kNearestLookupSide),
+                                                   kNearestLookupSide, "nearest of " + directionsName(set)));
   shared = texture;
   return texture;
 }
 
 MaterialGpu::MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label,
                          size_t parts)
-    : material_(&material), variant_(variant), label_(label), data_(makeMaterialData(material)), parts_(parts) {}
+    : material_(&material),
+      variant_(variant),
+      label_(label),
+      data_(makeMaterialData(material)),
+      parts_(parts) {}
 
 void MaterialGpu::create(SharedTextures& shared) {
   empty_ = shared.emptyUnits(variant_);
@@ -145,7 +153,8 @@ void MaterialGpu::setPart(size_t part, std::vector<GlTexture> textures, const Lo
   for (const PartTexture& texture : loaded.textures) {
     slot.units.push_back(texture.unit);
     for (StandIn& stand_in : stand_ins_)
-      if (stand_in.texel.unit == texture.unit) stand_in.average = fetchTexel(texture.texels, texture.texels.mips - 1, 0, 0, 0);
+      if (stand_in.texel.unit == texture.unit)
+        stand_in.average = fetchTexel(texture.texels, texture.texels.mips - 1, 0, 0, 0);
   }
   chooseUnits();
 }

@@ -22,7 +22,8 @@ class SharedTextures {
   void contextLost();
   // One name per unit, for units that hold no part.
   std::vector<uint32_t> emptyUnits(const MaterialVariant& variant) const;
-  // The image of nearestDirectionLookup, shared by those that ask for the same set while one of them keeps it.
+  // The image of nearestDirectionLookup, shared by those that ask for the same set while one of them keeps
+  // it.
   std::shared_ptr<const GlTexture> nearestImage(const DirectionSet& set);
 
  private:
@@ -33,18 +34,20 @@ class SharedTextures {
 class MaterialGpu {
  public:
   MaterialGpu() = default;
-  MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label, size_t parts);
+  MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label,
+              size_t parts);
 
   // Makes block and stand-ins in the current context.
   void create(SharedTextures& shared);
   void contextLost();
 
-  // A part's textures, in the order of its LoadedPart; units are taken from there. Where two parts hold a unit, the
-  // later in the list is read.
+  // A part's textures, in the order of its LoadedPart; units are taken from there. Where two parts hold a
+  // unit, the later in the list is read.
   void setPart(size_t part, std::vector<GlTexture> textures, const LoadedPart& loaded);
   void dropPart(size_t part);
 
-  // Writes the block, and what stands in for surface maps, if the state differs from what they hold; whether it did.
+  // Writes the block, and what stands in for surface maps, if the state differs from what they hold; whether
+  // it did.
   bool publish(const ResidentState& state);
   // Binds block and textures; samplers of these units are set to none.
   void bind() const;
@@ -54,8 +57,8 @@ class MaterialGpu {
     std::vector<GlTexture> textures;
     std::vector<int> units;
   };
-  // One texel in the place of a surface map. Maps have no window to come in by: the texel turns from the fitted mean
-  // into the map's average as they fade in, and then gives way to the map.
+  // One texel in the place of a surface map. Maps have no window to come in by: the texel turns from the
+  // fitted mean into the map's average as they fade in, and then gives way to the map.
   struct StandIn {
     PartTexture texel;
     glm::vec4 mean{0}, average{0};

@@ -212,18 +212,30 @@ void MaterialSystem::unload(MaterialId id) {
   slot.generation = generation;
 }
 
-void MaterialSystem::setBudget(uint64_t bytes) { impl_->residency.setBudget(bytes); }
+void MaterialSystem::setBudget(uint64_t bytes) {
+  impl_->residency.setBudget(bytes);
+}
 
-MaterialVariant MaterialSystem::variant(MaterialId id) const { return impl_->slotOf(id).variant; }
-const Material& MaterialSystem::material(MaterialId id) const { return impl_->slotOf(id).file->skeleton(); }
-const MaterialStats& MaterialSystem::stats() const { return impl_->stats; }
-void MaterialSystem::bind(MaterialId id) { impl_->slotOf(id).gpu.bind(); }
+MaterialVariant MaterialSystem::variant(MaterialId id) const {
+  return impl_->slotOf(id).variant;
+}
+const Material& MaterialSystem::material(MaterialId id) const {
+  return impl_->slotOf(id).file->skeleton();
+}
+const MaterialStats& MaterialSystem::stats() const {
+  return impl_->stats;
+}
+void MaterialSystem::bind(MaterialId id) {
+  impl_->slotOf(id).gpu.bind();
+}
 
 float MaterialSystem::residentLambda(MaterialId id) const {
   return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
 }
 
-uint64_t MaterialSystem::reliefRevision() const { return impl_->relief_revision; }
+uint64_t MaterialSystem::reliefRevision() const {
+  return impl_->relief_revision;
+}
 
 void MaterialSystem::demand(MaterialId id, float lambda) {
   const uint32_t index = impl_->indexOf(id);

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "material/asset/asset.h"
-#include "material/eval/evaluate.h"
 #include "material/base/result.h"
+#include "material/eval/evaluate.h"
 #include "runtime/gl/device.h"
 #include "runtime/stream/shader_variants.h"
 
@@ -25,42 +25,46 @@ struct MaterialId {
 };
 
 struct MaterialSystemOptions {
-  uint64_t budget_bytes = 64u << 20;            // GPU bytes of all parts, those in flight included
+  uint64_t budget_bytes = 64u << 20;             // GPU bytes of all parts, those in flight included
   uint64_t upload_bytes_per_frame = 256u << 10;  // at least one row of texels goes up per frame
-  float fade_levels_per_second = 4;             // of detail that arrives in view, and a fifteenth of a level per frame
-  float release_seconds = 3;                    // what nobody has demanded for longer goes even where there is room
-  Lookup lookup = Lookup::kDefault;             // where a material has geometry; kPaper where it stores a VDIM; kQuality is drawn as kDefault
-  // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with a small one.
+  float fade_levels_per_second = 4;  // of detail that arrives in view, and a fifteenth of a level per frame
+  float release_seconds = 3;         // what nobody has demanded for longer goes even where there is room
+  Lookup lookup = Lookup::kDefault;  // where a material has geometry; kPaper where it stores a VDIM; kQuality
+                                     // is drawn as kDefault
+  // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with
+  // a small one.
   std::optional<VdimAtlasSize> atlas_size = {};
-  int first_unit = 0;                           // texture unit that a material's begin at; what lies below stays the engine's
-  int atlas_threads = 1;                        // that build one VDIM atlas, beside the loading thread
+  int first_unit = 0;     // texture unit that a material's begin at; what lies below stays the engine's
+  int atlas_threads = 1;  // that build one VDIM atlas, beside the loading thread
 };
 
 // What a report counts. Bytes are of the asset parts, as texel data.
 struct MaterialStats {
   int materials = 0;
   int parts_resident = 0, parts_in_flight = 0;
-  uint64_t resident_bytes = 0;   // of GPU memory, in flight included
-  uint64_t peak_bytes = 0;       // largest resident_bytes of any frame
-  uint64_t total_bytes = 0;      // if everything of every material were resident
-  uint64_t read_bytes = 0;       // from files, since the start
-  uint64_t uploaded_bytes = 0;   // since the start
+  uint64_t resident_bytes = 0;  // of GPU memory, in flight included
+  uint64_t peak_bytes = 0;      // largest resident_bytes of any frame
+  uint64_t total_bytes = 0;     // if everything of every material were resident
+  uint64_t read_bytes = 0;      // from files, since the start
+  uint64_t uploaded_bytes = 0;  // since the start
   uint64_t uploaded_last_frame = 0;
   uint64_t evicted_parts = 0;
-  uint64_t failed_parts = 0;  // could not be read, or had no room in the driver's or the process's memory
+  uint64_t failed_parts = 0;   // could not be read, or had no room in the driver's or the process's memory
   uint64_t failed_memory = 0;  // of these the latter
 };
 
 class MaterialSystem {
  public:
   // The device must be current and outlive the system. Issues: kOption.
-  static Result<std::unique_ptr<MaterialSystem>> create(const Device& device, const MaterialSystemOptions& options);
+  static Result<std::unique_ptr<MaterialSystem>> create(const Device& device,
+                                                        const MaterialSystemOptions& options);
   ~MaterialSystem();
   MaterialSystem(const MaterialSystem&) = delete;
   MaterialSystem& operator=(const MaterialSystem&) = delete;
 
-  // Reads the header only, on this thread, and makes the material's small GL objects; parts follow on demand, read from the
-  // loading threads. Issues of AssetFile::open; kLimit if the shaders or the driver take no material of this size.
+  // Reads the header only, on this thread, and makes the material's small GL objects; parts follow on demand,
+  // read from the loading threads. Issues of AssetFile::open; kLimit if the shaders or the driver take no
+  // material of this size.
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   Result<MaterialId> load(const std::filesystem::path& path);
   void unload(MaterialId id);
@@ -77,17 +81,19 @@ class MaterialSystem {
   // Once per frame: takes what the loading thread delivered, uploads within the bound, evicts, fades in, asks
   // for more. Never waits. Seconds since the last call.
   void update(float seconds);
-  // Updates until every demanded part is resident, or cannot be, and shows it without a fade; for captures and tests.
+  // Updates until every demanded part is resident, or cannot be, and shows it without a fade; for captures
+  // and tests.
   void finishLoading();
 
-  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and unitsOf(variant(id))
-  // texture units from MaterialSystemOptions::first_unit on). The one call that leaves GL state behind.
+  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and
+  // unitsOf(variant(id)) texture units from MaterialSystemOptions::first_unit on). The one call that leaves
+  // GL state behind.
   void bind(MaterialId id);
   // The smallest lambda that the shader will use: detail below it is not resident.
   float residentLambda(MaterialId id) const;
 
-  // Changes whenever what a material with relief shows changes: parts that come or go, and their fades. Depth that was drawn
-  // with its relief is out of date then.
+  // Changes whenever what a material with relief shows changes: parts that come or go, and their fades. Depth
+  // that was drawn with its relief is out of date then.
   uint64_t reliefRevision() const;
 
   // After the context is gone: forget every name; after the new one is current: everything streams in again.

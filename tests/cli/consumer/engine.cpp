@@ -47,7 +47,8 @@ int main(int argc, char** argv) {
   if (!materials) return fail(materials.issue());
   const auto knit = (*materials)->load(argv[1]);
   if (!knit) return fail(knit.issue());
-  const auto program = compileProgram(kVertex, kFragment, variantDefines((*materials)->variant(*knit)), "engine");
+  const auto program =
+      compileProgram(kVertex, kFragment, variantDefines((*materials)->variant(*knit)), "engine");
   if (!program) return fail(program.issue());
   const auto target = makeRenderTarget({64, 64}, ColorFormat::kLinear32, "picture");
   if (!target) return fail(target.issue());

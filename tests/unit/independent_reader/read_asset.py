@@ -46,7 +46,8 @@ def read_chunks(data):
     require(xxh3_64(data[:24] + data[32:end]) == table_hash, "checksum of the table")
     chunks = []
     for i in range(count):
-        kind, flags, codec, reserved, offset, stored, raw, chunk_hash = struct.unpack_from("<4sIIIQQQQ", data, 32 + 48 * i)
+        kind, flags, codec, reserved, offset, stored, raw, chunk_hash = struct.unpack_from(
+            "<4sIIIQQQQ", data, 32 + 48 * i)
         start = (end + 63) // 64 * 64
         require(offset == start and not any(data[end:start]) and reserved == 0, "place of chunk %d" % i)
         end = start + stored
@@ -54,7 +55,8 @@ def read_chunks(data):
         require(xxh3_64(payload) == chunk_hash, "checksum of chunk %d" % i)
         require(codec in (0, 1) and flags in (0, 1) and raw <= 1000 * stored, "entry of chunk %d" % i)
         if codec == 1:
-            payload = subprocess.run(["zstd", "-dc"], input=payload, stdout=subprocess.PIPE, check=True).stdout
+            payload = subprocess.run(["zstd", "-dc"], input=payload, stdout=subprocess.PIPE,
+                                     check=True).stdout
         require(len(payload) == raw, "raw size of chunk %d" % i)
         chunks.append((kind.decode(), payload))
     require(end == len(data), "trailing bytes")
@@ -84,7 +86,8 @@ def read_band(head, place):
     rest = quads - lead
     shares = [(lead, lead + ratio), (rest, weights[3] - lead - ratio)]  # quads, and layers of the weights
     return [("BAND", [("weights", (), texture(*weights[:3], layers, weights[4])[2]),
-                      ("table", (), texture(*table[:3], table[3] // quads * share, 1)[2])]) for share, layers in shares]
+                      ("table", (), texture(*table[:3], table[3] // quads * share, 1)[2])])
+            for share, layers in shares]
 
 
 def read_surface(head):
@@ -96,11 +99,12 @@ def read_surface(head):
         return [("SURF", [texture(kind, w, h, 1, mips) for kind, w, h, mips in maps])]
     whole = [texture(kind, w, h, 1, mips)[2] for kind, w, h, mips in maps]
     fine = [texture(kind, w, h, 1, tail)[2] for kind, w, h, mips in maps]
-    return [("SURF", [("map", (), w - f) for w, f in zip(whole, fine)]), ("SURF", [("map", (), f) for f in fine])]
+    return [("SURF", [("map", (), w - f) for w, f in zip(whole, fine)]),
+            ("SURF", [("map", (), f) for f in fine])]
 
 
 def read_head(head):
-    """Prints HEAD; the textures of each chunk behind it, or the share of them it has, in file order, as (type, textures)."""
+    """Prints HEAD, and the textures of each chunk behind it, or the share that it has, in file order."""
     print("mode", head.u32())
     print("side", head.u32())
     print("levels", head.bits(2))
@@ -122,7 +126,8 @@ def read_head(head):
     if parts & 2:
         side, zeniths, azimuths = head.u32(3)
         print("vdim", side, zeniths, azimuths, head.bits(2))
-        maps.append(("VDIM", [texture(78, side, side, 1, 1), texture(92, side * azimuths, side * zeniths, 1, 1)]))
+        maps.append(("VDIM", [texture(78, side, side, 1, 1),
+                              texture(92, side * azimuths, side * zeniths, 1, 1)]))
     if parts & 4:
         surface = read_surface(head)
     print("name", head.take(head.u32()).decode())

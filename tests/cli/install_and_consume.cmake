@@ -15,7 +15,7 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-foreach(file bin/loden include/loden/material/evaluate.h share/loden/shaders/loden_material.glsl)
+foreach(file bin/loden include/loden/material/eval/evaluate.h share/loden/shaders/loden_material.glsl)
   if(NOT EXISTS ${WORK}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")
   endif()

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "importer/btf/baked_output.h"
+#include "importer/tile/tile.h"
+#include "importer/tile/tile_texture.h"
 #include "material/base/result.h"
 
 namespace loden::importer {

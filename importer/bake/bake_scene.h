@@ -9,6 +9,8 @@
 #include "importer/base/image_file.h"
 #include "importer/btf/baked_files.h"
 #include "importer/btf/baked_output.h"
+#include "importer/tile/tile.h"
+#include "importer/tile/tile_texture.h"
 #include "importer/tile/param_map.h"
 #include "importer/tile/tile_tracer.h"
 

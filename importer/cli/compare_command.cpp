@@ -10,6 +10,7 @@
 #include "importer/cli/output.h"
 #include "material/asset/asset.h"
 #include "material/system/asset_io.h"
+#include "material/system/threads.h"
 
 namespace loden::importer {
 namespace {
@@ -151,7 +152,7 @@ class CompareCommand : public Command {
     auto material = readAsset(path);
     if (!material) return material.issue();
     loaded.material = std::move(*material);
-    loaded.evaluator.emplace(*loaded.material, globals.threads);
+    loaded.evaluator.emplace(*loaded.material, onThreads(globals.threads));
     const auto lookup = prepareLookup(*loaded.evaluator, lookupNamed(lookup_).value(), path);
     if (!lookup) return lookup.issue();
     const double lambda = side > 0 ? compare_.level : 0;  // the reference is averaged from full resolution

@@ -114,20 +114,36 @@ mat3 loden_evaluate_bands_environment(LodenHit hit, vec2 view, LodenHemisphere l
 }
 #endif
 
-#ifdef LODEN_MODE_SURFACE
-// The polynomial's irradiance on the mapped normal, and its value along the mirror direction times the lobe's
-// integral, blurred as the lobe's width asks.
-vec3 loden_evaluate_surface_environment(LodenHit hit, LodenHemisphere light, vec3 wo) {
-  LodenSurface s = loden_fetch_surface(hit);
-  vec3 n = s.normal;
+#ifdef LODEN_NEAR
+// A and V under light from all around: the diffuse part as the ambient map has it, and the light along the
+// mirror direction, blurred as the lobe's width asks, times what the lobe reflects.
+vec3 loden_evaluate_near_environment(LodenHit hit, LodenHemisphere light, vec3 wo) {
+  LODEN_COUNT(LODEN_UNIT_AMBIENT(LODEN_BANDS_OR_NONE), 2);
+  float lod = hit.lambda - loden_material.ambient_lambda;
+  vec4 first = textureLod(loden_ambient, vec3(hit.p, 0.0), lod);
+  vec4 second = textureLod(loden_ambient, vec3(hit.p, 1.0), lod);
+  vec3 irradiance = max(light.c[0] * first.x + light.c[1] * first.y + light.c[2] * first.z +
+                            light.c[3] * first.w + light.c[4] * second.x + light.c[5] * second.y,
+                        0.0);
+  vec3 n = hit.near.normal;
+  float nv = max(dot(n, wo), LODEN_LEAST_VIEW);
   vec3 r = 2.0 * dot(n, wo) * n - wo;
   r.z = max(r.z, 0.0);
-  vec3 irradiance = light.c[0] + 2.0 / 3.0 * (light.c[1] * n.z + light.c[2] * n.x + light.c[3] * n.y) +
-                    0.25 * (light.c[4] * (n.x * n.y) + light.c[5] * (n.x * n.x - n.y * n.y));
-  float first = exp(-4.0 / s.exponent), second = exp(-12.0 / s.exponent);
-  vec3 mirrored = light.c[0] + first * (light.c[1] * r.z + light.c[2] * r.x + light.c[3] * r.y) +
-                  second * (light.c[4] * (r.x * r.y) + light.c[5] * (r.x * r.x - r.y * r.y));
-  return s.diffuse * max(irradiance, 0.0) + (s.strength * 8.0 / (s.exponent + 8.0)) * max(mirrored, 0.0);
+  bool ggx = (loden_material.bits & LODEN_GGX) != 0;
+  float exponent = ggx ? 2.0 / (hit.near.width * hit.near.width) : hit.near.width;
+  float order1 = exp(-4.0 / exponent), order2 = exp(-12.0 / exponent);
+  vec3 mirrored = max(light.c[0] + order1 * (light.c[1] * r.z + light.c[2] * r.x + light.c[3] * r.y) +
+                          order2 * (light.c[4] * (r.x * r.y) + light.c[5] * (r.x * r.x - r.y * r.y)),
+                      0.0);
+  // What meets the surface of a white sky stands for what meets it along the mirror direction.
+  float open = clamp(first.x / max(0.5 + 0.5 * n.z, 0.05), 0.0, 1.0);
+  if (!ggx)
+    return hit.near.diffuse * irradiance +
+           (hit.near.strength * 8.0 / (hit.near.width + 8.0)) * open * mirrored;
+  vec3 shine = loden_lobe_albedo(hit.near.width, hit.near.f0, nv);
+  vec3 f0 = vec3(max(max(hit.near.f0.x, hit.near.f0.y), hit.near.f0.z));
+  float left = 1.0 - loden_lobe_albedo(hit.near.width, f0, nv).x;
+  return hit.near.diffuse * (irradiance * left) + shine * open * mirrored;
 }
 #endif
 
@@ -135,14 +151,19 @@ vec3 loden_evaluate_surface_environment(LodenHit hit, LodenHemisphere light, vec
 vec3 loden_evaluate_environment(LodenMaterial m, LodenHit hit, LodenHemisphere light, vec3 wo_ts) {
   wo_ts = loden_tilted(hit.tilt, wo_ts);
   if (wo_ts.z <= 0.0) return vec3(0.0);
-#ifdef LODEN_MODE_SURFACE
-  return loden_evaluate_surface_environment(hit, light, wo_ts);
-#else
+  vec3 shown = vec3(0.0);
+#ifdef LODEN_NEAR
+  if (hit.near_weight > 0.0) shown = hit.near_weight * loden_evaluate_near_environment(hit, light, wo_ts);
+  if (hit.near_weight >= 1.0) return shown;
+#endif
+#ifdef LODEN_BANDS
   vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
   vec2 view = loden_grid_position(wo, loden_material.theta_max);
   mat3 mean = loden_evaluate_mean_environment(light, wo, view.y * float(LODEN_ENVIRONMENT_THETAS - 1));
   mat3 ycc = mean + loden_evaluate_bands_environment(hit, view, light, mean);
-  return max(vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b),
-             0.0);
+  shown += (1.0 - hit.near_weight) *
+           max(vec3(loden_rgb_from_ycc(ycc[0]).r, loden_rgb_from_ycc(ycc[1]).g, loden_rgb_from_ycc(ycc[2]).b),
+               0.0);
 #endif
+  return shown;
 }

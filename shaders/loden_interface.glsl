@@ -45,10 +45,16 @@ LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;     /
 LODEN_BINDING(LODEN_UNIT_PAPER_REFERENCE) uniform sampler2DArray loden_paper_reference;  // nearest
 LODEN_BINDING(LODEN_UNIT_PAPER_PACKED) uniform sampler2DArray loden_paper_packed;        // repeat, linear
 #endif
-#ifdef LODEN_MODE_SURFACE
-LODEN_BINDING(LODEN_UNIT_NORMAL) uniform sampler2DArray loden_normal;  // repeat, trilinear, as all three
-LODEN_BINDING(LODEN_UNIT_DIFFUSE) uniform sampler2DArray loden_diffuse;
-LODEN_BINDING(LODEN_UNIT_SPECULAR) uniform sampler2DArray loden_specular;
+#ifdef LODEN_BANDS
+#define LODEN_BANDS_OR_NONE LODEN_BANDS
+#else
+#define LODEN_BANDS_OR_NONE 0
+#endif
+#ifdef LODEN_NEAR
+LODEN_BINDING(LODEN_UNIT_NORMAL(LODEN_BANDS_OR_NONE))
+uniform sampler2DArray loden_normal;  // repeat, trilinear, as all three
+LODEN_BINDING(LODEN_UNIT_COLOR(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_color;  // sRGB
+LODEN_BINDING(LODEN_UNIT_AMBIENT(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_ambient;
 #endif
 
 // State of one drawn instance, or of one shading point, next to the material's block.
@@ -70,6 +76,16 @@ LodenMaterial loden_material_default() {
   return LodenMaterial(loden_material.resident_lambda, 0.0, 0.0, true, mat2(0.0), mat2(1.0), 1.0);
 }
 
+// The local reflectance at one point, filtered (loden_near.glsl).
+struct LodenNear {
+  vec3 mapped;     // mean normal, not longer than 1
+  vec3 normal;     // the same of unit length
+  vec3 diffuse;    // albedo
+  vec3 f0;         // GGX: reflectance at normal incidence
+  float strength;  // Phong: value at the lobe's peak
+  float width;     // Phong: exponent; GGX: alpha
+};
+
 // One shading point, shared by all lights.
 struct LodenHit {
   vec2 x;        // reference domain, tile periods
@@ -78,4 +94,11 @@ struct LodenHit {
   float depth;   // height of the hit over the tangent plane at x, tile lengths, <= 0
   vec2 tilt;     // of the surface's normal there against that at x, on a curved surface
   bool missed;   // the ray goes by a convex surface without meeting the tile: what stands behind it is seen
+  // Of the near term, and of the lookup towards the light:
+  float near_weight;
+  LodenNear near;  // where near_weight > 0
+  vec3 position;   // tile periods; z in tile lengths below the reference surface
+  bool relief;     // position is a point of the tile's geometry
+  mat2 curvature;  // as in LodenMaterial
+  mat2 x_from_tangent;
 };

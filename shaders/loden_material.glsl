@@ -2,7 +2,8 @@
 // what it includes in its place. GLSL 4.40; Vulkan needs LODEN_DESCRIPTOR_SET defined. What the uniform block
 // holds is said in loden_shared.h; runtime/stream/material_data.cpp fills it. Defines of a variant
 // (runtime/stream/shader_variants.h lists those in use):
-//   LODEN_MODE_SURFACE or LODEN_BANDS n (1..LODEN_MAX_BANDS)   what the material is
+//   LODEN_NEAR, LODEN_BANDS n (1..LODEN_MAX_BANDS), or both    what the material is
+//   LODEN_VISIBILITY_LOOKUP                                    the near term has cast shadows
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LIGHT_FACTOR                                         a band has a light factor
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
@@ -18,11 +19,12 @@
 //   radiance += irradiance * loden_material.value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
 
-#include "loden_bands.glsl"
-#include "loden_directions.glsl"
-#include "loden_interface.glsl"
 #include "loden_shared.h"
+#include "loden_interface.glsl"
+#include "loden_directions.glsl"
 #include "loden_vdim.glsl"
+#include "loden_near.glsl"
+#include "loden_bands.glsl"
 
 // Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that
 // is longer: blur along a stretched footprint is bounded, and so is aliasing.
@@ -78,15 +80,16 @@ float loden_parallax_fade(float lambda, vec3 wo) {
 
 // Share of what is shown at this lambda that is read at p; 0: nobody asks for it.
 float loden_parameter_share(float lambda) {
-#ifdef LODEN_MODE_SURFACE
-  return 1.0;
-#else
   float share = 0.0;
+#ifdef LODEN_NEAR
+  share = loden_near_weight(lambda);
+#endif
+#ifdef LODEN_BANDS
   for (int b = 0; b < LODEN_BANDS; ++b)
     if ((loden_material.bands[b].bits & LODEN_BAND_FLAT) != 0)
       share = max(share, loden_window_weight(loden_material.bands[b].window, lambda));
-  return share;
 #endif
+  return share;
 }
 
 LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
@@ -96,7 +99,11 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.depth = 0.0;
   hit.tilt = vec2(0.0);
   hit.missed = false;
-  hit.lambda = max(max(lambda, m.lambda_min), 0.0);
+  hit.lambda = max(lambda, m.lambda_min);
+  hit.position = vec3(x, 0.0);
+  hit.relief = false;
+  hit.curvature = m.curvature;
+  hit.x_from_tangent = m.x_from_tangent;
   if ((loden_material.bits & LODEN_CLAMP_LAMBDA) != 0)
     hit.lambda = min(hit.lambda, loden_material.lambda_max);
 #if defined(LODEN_LOOKUP_PAPER)
@@ -115,7 +122,15 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
     hit.depth = found.height * fade * min(2.0 * share, 1.0);
     hit.tilt = m.curvature * (inverse(m.x_from_tangent) * found.offset) * (fade * share);
     hit.missed = found.missed && fade * share >= 0.5;
+    hit.position = vec3(x + found.offset * fade, found.z * fade);
+    hit.relief = true;
   }
+#endif
+#ifdef LODEN_NEAR
+  hit.near_weight = loden_near_weight(hit.lambda);
+  if (hit.near_weight > 0.0) hit.near = loden_near_point(hit.p, hit.lambda);
+#else
+  hit.near_weight = 0.0;
 #endif
   return hit;
 }
@@ -141,44 +156,6 @@ vec3 loden_rgb_from_ycc(vec3 ycc) {
               ycc.x + 1.772 * ycc.y);
 }
 
-#ifdef LODEN_MODE_SURFACE
-struct LodenSurface {
-  vec3 normal, diffuse;
-  float strength, exponent;
-};
-
-// The analytic appearance at p, filtered.
-LodenSurface loden_fetch_surface(LodenHit hit) {
-  LODEN_COUNT(LODEN_UNIT_NORMAL, 1);
-  LODEN_COUNT(LODEN_UNIT_DIFFUSE, 1);
-  float lod = hit.lambda - loden_material.surface_lambda;
-  vec3 mapped = textureLod(loden_normal, vec3(hit.p, 0.0), lod).xyz;
-  vec3 diffuse = textureLod(loden_diffuse, vec3(hit.p, 0.0), lod).xyz;
-  vec2 specular = vec2(0.0);
-  // A loop, so that renderers which run both sides of every branch skip it too.
-  for (int k = 0; k < (loden_material.bits & LODEN_SPECULAR) / LODEN_SPECULAR; ++k) {
-    LODEN_COUNT(LODEN_UNIT_SPECULAR, 1);
-    specular = textureLod(loden_specular, vec3(hit.p, 0.0), lod).xy;
-  }
-  float length_ = max(sqrt(dot(mapped, mapped)), 1e-4);
-  // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
-  float sharp = exp2(specular.y * 12.0);
-  float shortened = min(length_, 1.0);
-  float exponent = sharp * shortened / (shortened + sharp * (1.0 - shortened));
-  float strength = specular.x * loden_material.specular_scale * (exponent + 8.0) / (sharp + 8.0);
-  return LodenSurface(mapped / length_, diffuse, strength, exponent);
-}
-
-// FBTF's GPU mode: an analytic appearance read at p (3.5).
-vec3 loden_evaluate_surface(LodenHit hit, vec3 wi, vec3 wo) {
-  LodenSurface s = loden_fetch_surface(hit);
-  vec3 sum = wi + wo;
-  vec3 half_ = sum / max(sqrt(dot(sum, sum)), 1e-6);
-  float lobe = pow(max(dot(s.normal, half_), 1e-6), s.exponent);
-  return (s.diffuse + s.strength * lobe) * max(dot(s.normal, wi), 0.0);
-}
-#endif
-
 // A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus
 // tilt.
 vec3 loden_tilted(vec2 tilt, vec3 w) {
@@ -198,17 +175,21 @@ vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   wi_ts = loden_tilted(hit.tilt, wi_ts);
   wo_ts = loden_tilted(hit.tilt, wo_ts);
   if (wi_ts.z <= 0.0 || wo_ts.z <= 0.0) return vec3(0.0);
-#ifdef LODEN_MODE_SURFACE
-  return loden_evaluate_surface(hit, wi_ts, wo_ts);
-#else
+  vec3 shown = vec3(0.0);
+#ifdef LODEN_NEAR
+  if (hit.near_weight > 0.0) shown = hit.near_weight * loden_evaluate_near_term(hit, wi_ts, wo_ts);
+  if (hit.near_weight >= 1.0) return shown;
+#endif
+#ifdef LODEN_BANDS
   vec3 wi = loden_clamp_theta(wi_ts, loden_material.theta_max);
   vec3 wo = loden_clamp_theta(wo_ts, loden_material.theta_max);
   bool with_cosine = (loden_material.bits & LODEN_COSINE_INCLUDED) != 0;
   float cosine = with_cosine ? min(wi_ts.z / loden_material.theta_max.y, 1.0) : wi_ts.z;
   vec3 mean = loden_evaluate_mean(wi, wo);
   vec3 bands = loden_evaluate_bands(hit, loden_table_position(wi, wo), mean);
-  return max(loden_rgb_from_ycc(mean + bands), 0.0) * cosine;
+  shown += (1.0 - hit.near_weight) * (max(loden_rgb_from_ycc(mean + bands), 0.0) * cosine);
 #endif
+  return shown;
 }
 
 #include "loden_environment.glsl"

@@ -14,8 +14,7 @@
 #define LODEN_ENVIRONMENT_THETAS 6  // views of the mean
 
 // Texture units, from LODEN_FIRST_UNIT on; `bands` is the variant's LODEN_BANDS, at which the arrays of
-// weights, tables and environment tables end. Surface maps and bands never meet in one variant: a surface
-// takes the units of one band.
+// weights, tables and environment tables end (0 without bands); the near term's maps come behind.
 #ifndef LODEN_FIRST_UNIT
 #define LODEN_FIRST_UNIT 0
 #endif
@@ -28,13 +27,13 @@
 #define LODEN_UNIT_PAPER_PACKED 4
 #define LODEN_UNIT_LIGHT_TABLE 4  // nor do these and a light factor
 #define LODEN_UNIT_WEIGHTS 5
-#define LODEN_UNIT_NORMAL 5
-#define LODEN_UNIT_DIFFUSE 6
-#define LODEN_UNIT_SPECULAR 7
 #define LODEN_UNIT_TABLE(bands) (5 + (bands))
 #define LODEN_UNIT_ENVIRONMENT(bands) (5 + 2 * (bands))
-#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes
-#define LODEN_MAX_UNITS LODEN_UNITS(LODEN_MAX_BANDS)
+#define LODEN_UNIT_NORMAL(bands) (5 + 3 * (bands))
+#define LODEN_UNIT_COLOR(bands) (6 + 3 * (bands))
+#define LODEN_UNIT_AMBIENT(bands) (7 + 3 * (bands))
+#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes; 3 more with the near term
+#define LODEN_MAX_UNITS (3 + LODEN_UNITS(LODEN_MAX_BANDS))
 
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding
 #define LODEN_BLOCK_FIRST_FREE 1  // and up belong to the renderer
@@ -49,7 +48,7 @@
 #define LODEN_COSINE_INCLUDED 2  // values contain cos(theta_i)
 #define LODEN_IDENTITY 4         // P.xy == p: no closest-point volume
 #define LODEN_CLAMP_LAMBDA 8     // mode lod: beyond the last level the last level stays (LBTF 3.4, step 2)
-#define LODEN_SPECULAR 16        // mode surface: some highlight is worth its map
+#define LODEN_GGX 16             // the near term's lobe is GGX, else Phong
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>
@@ -111,9 +110,13 @@ struct LodenMaterialData {
   float lambda_max;
   float resident_lambda;  // the smallest: the shader clamps to it
 
-  float specular_scale;  // of the surface maps
+  float specular_scale;  // of the near term's maps
   float surface_lambda;  // of mip 0 of what is resident of them
-  vec2 padding;
+  float ambient_lambda;  // of mip 0 of the ambient map
+  float near_end;        // w(lambda) is 0 from here on
+
+  float near_slope;  // 1 / (near_end - where it begins to fall)
+  float padding0, padding1, padding2;
 
   vec4 environment_mean[LODEN_ENVIRONMENT_THETAS];  // EnvironmentMean::rows
   LodenBandData bands[LODEN_MAX_BANDS];
@@ -122,7 +125,7 @@ struct LodenMaterialData {
 #ifdef __cplusplus
 static_assert(sizeof(LodenBandData) == 16 * (6 + LODEN_MAX_QUADS));
 static_assert(sizeof(LodenMaterialData) ==
-              16 * (8 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
+              16 * (9 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden
 #endif
 

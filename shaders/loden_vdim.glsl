@@ -16,8 +16,9 @@ const float LODEN_STRAIGHT = 0.2;            // change of the descent that needs
 const float LODEN_LEAST_DESCENT = 0.02;
 const float LODEN_SHALLOW = 0.5;  // of the depth range
 
+const int LODEN_FAST_LAYERS = 1, LODEN_FAST_CANDIDATES = 5;
 #ifdef LODEN_LOOKUP_FAST
-const int LODEN_LAYERS = 1, LODEN_CANDIDATES = 5;
+const int LODEN_LAYERS = LODEN_FAST_LAYERS, LODEN_CANDIDATES = LODEN_FAST_CANDIDATES;
 #else
 const int LODEN_LAYERS = 3, LODEN_CANDIDATES = 16;
 #endif
@@ -26,6 +27,7 @@ struct LodenVdimHit {
   vec2 p;        // unwrapped
   vec2 offset;   // of the point from x, tile periods
   float height;  // of the point above the tangent plane at x
+  float z;       // of the point above the reference surface, <= 0
   bool converged;
   bool missed;  // the ray goes by a convex surface
 };
@@ -226,7 +228,7 @@ float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2
 }
 
 // What a patch says about the ray.
-const int LODEN_AWAY = 0, LODEN_NEAR = 1, LODEN_HERE = 2;
+const int LODEN_AWAY = 0, LODEN_BESIDE = 1, LODEN_HERE = 2;
 
 // Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is
 // wanted. A ray that turned to the back of the surface is away from what the viewer sees. h: where the search
@@ -262,8 +264,8 @@ int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side
   bool faces = patch_.exists && det > 0.0;
   miss = faces ? max(max(centred.x, centred.y) - 0.5, residual) : 1e9;
   bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && residual <= LODEN_RESIDUAL;
-  if (!patch_.exists) return LODEN_NEAR;
-  return faces ? (here ? LODEN_HERE : LODEN_NEAR) : LODEN_AWAY;
+  if (!patch_.exists) return LODEN_BESIDE;
+  return faces ? (here ? LODEN_HERE : LODEN_BESIDE) : LODEN_AWAY;
 }
 
 // Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the
@@ -296,24 +298,23 @@ float loden_highest_below(vec4 depths, float below) {
 
 // The depths that a lookup has gathered, as h of the ray.
 struct LodenDepths {
-  vec4 layer[LODEN_LAYERS];
+  vec4 layer[3];
 };
 
 // Highest of them below one; below LODEN_NONE if there is none.
-float loden_highest_below(LodenDepths depths, float below) {
+float loden_highest_below(LodenDepths depths, int layers, float below) {
   float z = loden_highest_below(depths.layer[0], below);
-#ifndef LODEN_LOOKUP_FAST
-  z = max(z, max(loden_highest_below(depths.layer[1], below), loden_highest_below(depths.layer[2], below)));
-#endif
+  if (layers > 1)
+    z = max(z, max(loden_highest_below(depths.layer[1], below), loden_highest_below(depths.layer[2], below)));
   return z;
 }
 
 // Mean of the depths at or above `low`, each with its weight: where the topmost surface at x is.
-float loden_cluster_mean(LodenDepths depths, float low, vec2 f, vec3 layer_weight) {
+float loden_cluster_mean(LodenDepths depths, int layers, float low, vec2 f, vec3 layer_weight) {
   const float floor_ = 0.02;  // so that a lone entry with weight 0 still counts
   vec4 spatial = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y) + floor_;
   float weight = 0.0, sum = 0.0;
-  for (int l = 0; l < LODEN_LAYERS; ++l) {
+  for (int l = 0; l < layers; ++l) {
     vec4 w = mix(vec4(0.0), spatial * layer_weight[l], greaterThanEqual(depths.layer[l], vec4(low)));
     weight += dot(w, vec4(1.0));
     sum += dot(depths.layer[l], w);
@@ -327,7 +328,8 @@ vec4 loden_gather_seeds(LodenViewRay ray, LodenRayPath path, LodenStraightRay li
               loden_seed_height(ray, path, line, z.z), loden_seed_height(ray, path, line, z.w));
 }
 
-LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
+// Depths of `layers` directions, 1 or 3, and at most so many candidates; both constant where it is called.
+LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, const int layers, const int candidates) {
   LodenViewRay ray = loden_view_ray(m, x, wo);
   float range = loden_material.geometry_range.z;
   LodenRayPath path = loden_ray_path(ray, range);
@@ -336,34 +338,34 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   int anchor = 0;
   do {
     LodenStraightRay line = loden_seed_ray(ray, path, range, anchor);
-    LodenNearestLayers layers = loden_nearest_layers(
+    LodenNearestLayers nearest = loden_nearest_layers(
         loden_material.atlas_directions, loden_vdim_square_from_view(loden_view_along(line.slope)));
     vec2 entry = line.x - line.slope * line.z;  // where it meets the plane
     if (ray.bent) entry -= floor(entry);
     LodenDepths depths;
-    depths.layer[0] = loden_gather_seeds(ray, path, line, entry, layers.index.x);
-#ifndef LODEN_LOOKUP_FAST
-    depths.layer[1] = loden_gather_seeds(ray, path, line, entry, layers.index.y);
-    depths.layer[2] = loden_gather_seeds(ray, path, line, entry, layers.index.z);
-#endif
+    depths.layer[0] = loden_gather_seeds(ray, path, line, entry, nearest.index.x);
+    if (layers > 1) {
+      depths.layer[1] = loden_gather_seeds(ray, path, line, entry, nearest.index.y);
+      depths.layer[2] = loden_gather_seeds(ray, path, line, entry, nearest.index.z);
+    }
     // First the blended depth of the topmost surface, at the first anchor; then single depths from the one
     // nearest to the viewer down; then, where there is no other anchor, these once more with patience.
-    float top = loden_highest_below(depths, 1.0);
+    float top = loden_highest_below(depths, layers, 1.0);
     float depth = range * line.h_per_z;
     float h = top, below = top - LODEN_SEPARATION * depth;
     if (anchor == 0) {
       vec2 f = fract(entry * float(loden_material.atlas_texels) - 0.5);
-      h = loden_cluster_mean(depths, top - LODEN_CLUSTER * depth, f, layers.weight);
+      h = loden_cluster_mean(depths, layers, top - LODEN_CLUSTER * depth, f, nearest.weight);
       below = 1.0;
     }
     vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
     // Where no patch faces the ray the blended depth is near.
     found = anchor == 0 ? vec4(p, h, -1e9) : found;
     bool patient = false;
-    int left = LODEN_CANDIDATES;
+    int left = candidates;
     do {
       loden_search_from(ray, h, p, patient, found);
-      float next = loden_highest_below(depths, below);
+      float next = loden_highest_below(depths, layers, below);
       bool exhausted = next < LODEN_NONE;
       left = found.w > 0.0 || (exhausted && (patient || path.anchors > 1)) ? 0 : left - 1;
       patient = patient || exhausted;
@@ -380,7 +382,12 @@ LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
   hit.p = found.xy + base;
   hit.offset = loden_ray_offset(ray, found.z);
   hit.height = found.z;
+  hit.z = loden_ray_z(ray, found.z);
   return hit;
+}
+
+LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
+  return loden_atlas_lookup(m, x, wo, LODEN_LAYERS, LODEN_CANDIDATES);
 }
 
 #ifdef LODEN_LOOKUP_PAPER

@@ -1,7 +1,7 @@
 // Vertices of a mesh, for depth only: the camera's pre-pass, and the sun's shadow map with the sun's
 // transform in clip_from_world.
-#include "scene_interface.glsl"
 #include "scene_shared.h"
+#include "scene_interface.glsl"
 
 layout(location = 0) in vec3 position;
 

@@ -1,9 +1,9 @@
 // Shades a mesh: with its Loden material if the variant has one, else with the base material's factors.
-#include "scene_displaced.glsl"
+#include "scene_shared.h"
 #include "scene_interface.glsl"
 #include "scene_lights.glsl"
-#include "scene_shared.h"
 #include "scene_surface.glsl"
+#include "scene_displaced.glsl"
 
 layout(location = 0) out vec4 color;
 

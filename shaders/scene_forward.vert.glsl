@@ -1,6 +1,6 @@
 // Vertices of a mesh, for shading. gl_Position is invariant: the depth pre-pass computes the same.
-#include "scene_interface.glsl"
 #include "scene_shared.h"
+#include "scene_interface.glsl"
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;

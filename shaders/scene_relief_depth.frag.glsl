@@ -1,8 +1,8 @@
 // Depth of a relief: in the pre-pass as the camera meets it, in the shadow map as the sun's rays do.
-#include "scene_displaced.glsl"
-#include "scene_interface.glsl"
 #include "scene_shared.h"
+#include "scene_interface.glsl"
 #include "scene_surface.glsl"
+#include "scene_displaced.glsl"
 
 void main() {
   bool from_sun = (scene.flags.x & SCENE_SUN_VIEW) != 0;

@@ -7,7 +7,7 @@ struct SurfaceShape {
   float away;
 };
 
-#if defined(LODEN_BANDS) || defined(LODEN_MODE_SURFACE)
+#if defined(LODEN_BANDS) || defined(LODEN_NEAR)
 #include "loden_material.glsl"
 
 struct SurfacePoint {

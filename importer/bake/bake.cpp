@@ -16,6 +16,7 @@
 #include "importer/base/random.h"
 #include "importer/mesh/parameterize.h"
 #include "importer/tile/charts.h"
+#include "importer/tile/mesh_material.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -30,7 +31,7 @@ Status checkOptions(const BakeOptions& o) {
   const auto refuse = [](const std::string& option, const std::string& why) {
     return Issue{issue_id::kOption, Severity::kError, option, why};
   };
-  for (const int side : {o.size, o.flat_size, o.geometry_size})
+  for (const int side : {o.size, o.flat_size, o.surface_size, o.geometry_size})
     if (side < 0 || side > 4096) return refuse("--size", "must be 1 to 4096 texels");
   if (o.size < 1) return refuse("--size", "must be 1 to 4096 texels");
   if (o.supersample < 1 || o.supersample > 16)
@@ -54,8 +55,10 @@ Status checkGutters(const Tile& tile, const BakeManifest& m) {
     return {};
   const double gutter = gutterOf(tile) + 1.0 / 256;  // half of what gutterOf may have cut off
   const int needed = static_cast<int>(std::ceil(2 / gutter));
-  for (const auto& [option, side] :
-       {std::pair{"--size", m.size}, {"--flat-size", m.flat_size}, {"--geometry-size", m.geometry_size}})
+  for (const auto& [option, side] : {std::pair{"--size", m.size},
+                                     {"--flat-size", m.flat_size},
+                                     {"--surface-size", m.surface_size},
+                                     {"--geometry-size", m.geometry_size}})
     if (side < needed)
       return Issue{issue_id::kOption, Severity::kError, option,
                    "the tile has several charts, and the gutters between them need at least " +
@@ -69,6 +72,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.input_hash = tileHash(tile);
   m.size = o.size;
   m.flat_size = o.flat_size > 0 ? o.flat_size : o.size;
+  m.surface_size = o.surface_size > 0 ? o.surface_size : std::min(2 * o.size, 4096);
   m.geometry_size = o.geometry_size > 0 ? o.geometry_size : std::max(128, o.size);
   m.supersample = o.supersample;
   m.bounces = o.bounces;
@@ -77,6 +81,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.directions = o.directions.size() > 0 ? o.directions : bonn81Directions();
   if (o.maps.vdim) m.vdims = o.vdims, m.concentric_vdims = o.concentric_vdims;
   m.has_btf = o.maps.btf, m.has_flat = o.maps.flat, m.has_vdim = o.maps.vdim, m.has_surface = o.maps.surface;
+  m.has_ggx = hasGgx(tile);
   m.identity_parameterization = tile.identity_parameterization;
   const ParameterizationQuality quality =
       measureParameterization(tile.positions, tile.params, tile.triangles);
@@ -192,9 +197,11 @@ void BakeItems::addSurface() {
   Item item;
   for (const char* map : {"geometry", "normal", "diffuse", "specular"})
     item.files.push_back(surfacePath(folder_, map));
+  if (scene_.manifest.has_ggx) item.files.push_back(surfacePath(folder_, "ggx"));
   item.make = [this, files = item.files]() -> Status {
     const SurfaceImages images = bakeSurface(scene_);
-    const Image* const maps[] = {&images.geometry, &images.normal, &images.diffuse, &images.specular};
+    const Image* const maps[] = {&images.geometry, &images.normal, &images.diffuse, &images.specular,
+                                 &images.ggx};
     for (size_t k = 0; k < files.size(); ++k)
       if (Status status = write(files[k], *maps[k], PixelType::kFloat); !status) return status;
     return {};

@@ -18,6 +18,7 @@ struct BakeMaps {
 struct BakeOptions {
   int size = 64;                                     // reference texels per side
   int flat_size = 0;                                 // 0: as size
+  int surface_size = 0;                              // of the surface maps; 0: twice the size
   int geometry_size = 0;                             // 0: max(128, size)
   DirectionSet directions;                           // empty: bonn81
   std::vector<glm::ivec2> vdims{{16, 16}, {8, 32}};  // latlong, zeniths x azimuths

@@ -176,6 +176,17 @@ Image filledMap(int side, int channels, const HoleFill& fill, std::vector<glm::v
   return image;
 }
 
+// The same of f0 and alpha.
+Image filledLobes(int side, const HoleFill& fill, const std::vector<glm::vec4>& lobes) {
+  std::vector<glm::vec3> f0, alpha;
+  for (const glm::vec4& lobe : lobes) f0.emplace_back(lobe), alpha.emplace_back(lobe.w);
+  fill.apply(f0), fill.apply(alpha);
+  Image image{side, side, 4, {}};
+  for (size_t t = 0; t < lobes.size(); ++t)
+    for (const float value : {f0[t].x, f0[t].y, f0[t].z, alpha[t].x}) image.pixels.push_back(value);
+  return image;
+}
+
 // The surface beside a chart's border: the normal goes on turning as it does there, the reflectance stays.
 // Filters that reach over the border then see no step.
 TileHit continuedPoint(const TileTracer& tracer, const ParamExtension& beyond) {
@@ -189,16 +200,18 @@ TileHit continuedPoint(const TileTracer& tracer, const ParamExtension& beyond) {
 }  // namespace
 
 SurfaceImages bakeSurface(const BakeScene& scene) {
-  const int side = scene.manifest.flat_size, per_side = scene.manifest.supersample;
+  const int side = scene.manifest.surface_size, per_side = scene.manifest.supersample;
   const size_t texels = size_t(side) * size_t(side);
   std::vector<float> coverage(texels);
   std::vector<glm::vec3> normal(texels), diffuse(texels), specular(texels);
+  std::vector<glm::vec4> ggx(scene.manifest.has_ggx ? texels : 0);
   const TexelPoints points = locateTexels(scene.tracer.tile(), side, per_side);
   const auto add = [&](size_t t, const TileHit& hit) {
     coverage[t] += 1;
     normal[t] += glm::vec3(hit.normal);
     diffuse[t] += hit.brdf.diffuse;
     specular[t] += glm::vec3(phongLobe(hit.brdf), 0);
+    if (!ggx.empty()) ggx[t] += ggxLobeOf(hit.brdf);
   };
   for (const auto& located : points.located)
     for (size_t t = 0; t < texels; ++t)
@@ -211,9 +224,12 @@ SurfaceImages bakeSurface(const BakeScene& scene) {
     if (coverage[t] == 0 && beyond[t].exists()) add(t, continuedPoint(scene.tracer, beyond[t]));
   for (size_t t = 0; t < texels; ++t)
     if (coverage[t] > 0) normal[t] /= coverage[t], diffuse[t] /= coverage[t], specular[t] /= coverage[t];
+  for (size_t t = 0; t < ggx.size(); ++t)
+    if (coverage[t] > 0) ggx[t] /= coverage[t];
   const HoleFill fill(scene.manifest.fill, side, coverage, ownersOf(scene.tracer.tile(), side, points));
   return {bakeGeometry(scene), filledMap(side, 3, fill, std::move(normal)),
-          filledMap(side, 3, fill, std::move(diffuse)), filledMap(side, 2, fill, std::move(specular))};
+          filledMap(side, 3, fill, std::move(diffuse)), filledMap(side, 2, fill, std::move(specular)),
+          ggx.empty() ? Image{} : filledLobes(side, fill, ggx)};
 }
 
 }  // namespace loden::importer

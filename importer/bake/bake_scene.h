@@ -9,9 +9,9 @@
 #include "importer/base/image_file.h"
 #include "importer/btf/baked_files.h"
 #include "importer/btf/baked_output.h"
+#include "importer/tile/param_map.h"
 #include "importer/tile/tile.h"
 #include "importer/tile/tile_texture.h"
-#include "importer/tile/param_map.h"
 #include "importer/tile/tile_tracer.h"
 
 namespace loden::importer {
@@ -74,6 +74,7 @@ Image bakeConcentricVdim(const BakeScene& scene, int directions);
 // Geometry image and surface maps over p.
 struct SurfaceImages {
   Image geometry, normal, diffuse, specular;
+  Image ggx;  // f0 and alpha; empty unless the tile's lobes are GGX
 };
 SurfaceImages bakeSurface(const BakeScene& scene);
 

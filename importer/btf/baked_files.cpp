@@ -88,6 +88,7 @@ std::string manifestText(const BakeManifest& m) {
   json["input_hash"] = m.input_hash;
   json["size"] = m.size;
   json["flat_size"] = m.flat_size;
+  json["surface_size"] = m.surface_size;
   json["geometry_size"] = m.geometry_size;
   json["supersample"] = m.supersample;
   json["bounces"] = m.bounces;
@@ -98,6 +99,7 @@ std::string manifestText(const BakeManifest& m) {
   for (const glm::ivec2& size : m.vdims) json["vdims"].push_back({size.x, size.y});
   if (!m.concentric_vdims.empty()) json["concentric_vdims"] = m.concentric_vdims;
   json["maps"] = {{"btf", m.has_btf}, {"flat", m.has_flat}, {"vdim", m.has_vdim}, {"surface", m.has_surface}};
+  json["lobe"] = m.has_ggx ? "ggx" : "phong";
   json["identity_parameterization"] = m.identity_parameterization;
   json["parameterization"] = {{"flipped_triangles", m.flipped_triangles},
                               {"area_cv", m.area_cv},
@@ -119,6 +121,7 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     m.input_hash = json.at("input_hash").get<std::string>();
     m.size = json.at("size").get<int>();
     m.flat_size = json.at("flat_size").get<int>();
+    m.surface_size = json.value("surface_size", m.flat_size);  // revision 4 baked both alike
     m.geometry_size = json.at("geometry_size").get<int>();
     m.supersample = json.at("supersample").get<int>();
     m.revision = json.value("revision", 0);  // baked by other tools
@@ -130,7 +133,7 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
       m.texels = TexelMethod::kLinear;
     else if (texels != "mean")
       return refuse("texels is neither mean nor linear");
-    for (const int side : {m.size, m.flat_size, m.geometry_size})
+    for (const int side : {m.size, m.flat_size, m.surface_size, m.geometry_size})
       if (side < 1 || side > kMaxSide) return refuse("a size is outside 1.." + std::to_string(kMaxSide));
     const auto directions = directionsFromJson(json.at("directions"));
     if (!directions || directions->size() < 1 || directions->size() > kMaxDirections)
@@ -148,6 +151,9 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     const auto& maps = json.at("maps");
     m.has_btf = maps.at("btf").get<bool>(), m.has_flat = maps.at("flat").get<bool>();
     m.has_vdim = maps.at("vdim").get<bool>(), m.has_surface = maps.at("surface").get<bool>();
+    const std::string lobe = json.value("lobe", "phong");
+    if (lobe != "phong" && lobe != "ggx") return refuse("lobe is neither phong nor ggx");
+    m.has_ggx = lobe == "ggx";
     m.identity_parameterization = json.at("identity_parameterization").get<bool>();
     if (const auto quality = json.find("parameterization");
         quality != json.end()) {  // other tools may not know

@@ -165,20 +165,28 @@ Result<std::vector<glm::vec4>> BakedOutput::geometry() const {
 
 Result<BakedOutput::Surface> BakedOutput::surface() const {
   if (!manifest_.has_surface) return missingMap(folder_, "surface");
-  const int side = manifest_.flat_size;
+  const int side = manifest_.surface_size;
   const auto normal = readSized(surfacePath(folder_, "normal"), side, side, 3);
   if (!normal) return normal.issue();
   const auto diffuse = readSized(surfacePath(folder_, "diffuse"), side, side, 3);
   if (!diffuse) return diffuse.issue();
   const auto specular = readSized(surfacePath(folder_, "specular"), side, side, 2);
   if (!specular) return specular.issue();
-  Surface maps{texelsOf<glm::vec3>(*normal), texelsOf<glm::vec3>(*diffuse), texelsOf<glm::vec2>(*specular)};
+  Surface maps{
+      texelsOf<glm::vec3>(*normal), texelsOf<glm::vec3>(*diffuse), texelsOf<glm::vec2>(*specular), {}};
+  if (manifest_.has_ggx) {
+    const auto ggx = readSized(surfacePath(folder_, "ggx"), side, side, 4);
+    if (!ggx) return ggx.issue();
+    maps.ggx = texelsOf<glm::vec4>(*ggx);
+  }
   const auto check = [&](auto& texels, int channels, const char* map) {
     return makeFinite(texels, {1, side, side, channels}, map, surfacePath(folder_, map), repairs_.get());
   };
   if (const Status finite = check(maps.normal, 3, "normal"); !finite) return finite.issue();
   if (const Status finite = check(maps.diffuse, 3, "diffuse"); !finite) return finite.issue();
   if (const Status finite = check(maps.specular, 2, "specular"); !finite) return finite.issue();
+  if (manifest_.has_ggx)
+    if (const Status finite = check(maps.ggx, 4, "ggx"); !finite) return finite.issue();
   return maps;
 }
 

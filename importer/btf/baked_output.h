@@ -16,7 +16,11 @@
 //   a
 //                              texel beyond their borders; chart 0 is no surface, there XYZ only continue the
 //                              nearest
-//   surface/normal.exr, diffuse.exr (RGB), specular.exr (strength, exponent): over p, flat_size squared
+//   surface/normal.exr (mean of unit normals), diffuse.exr (RGB), specular.exr (strength, exponent of a Phong
+//                              lobe): over p, surface_size squared
+//   surface/ggx.exr            RGBA: f0 and alpha of a GGX lobe that takes specular.exr's place; of tiles
+//   that
+//                              have such a lobe
 #pragma once
 
 #include <cstdint>
@@ -36,7 +40,7 @@ namespace loden::importer {
 class RepairLog;
 
 // Raised when the same tile and options bake to other pixels than before.
-inline constexpr int kBakeRevision = 4;
+inline constexpr int kBakeRevision = 5;
 
 struct BakeManifest {
   int revision = kBakeRevision;
@@ -44,6 +48,7 @@ struct BakeManifest {
   std::string input_hash;  // XXH3-128 of the tile's geometry, hex
   int size = 64;           // reference texels per side
   int flat_size = 64;
+  int surface_size = 128;  // of the surface maps
   int geometry_size = 128;
   int supersample = 2;
   int bounces = 0;
@@ -52,6 +57,7 @@ struct BakeManifest {
   DirectionSet directions;            // lights and views alike
   std::vector<glm::ivec2> vdims;      // (zeniths, azimuths) of each stored latlong map
   std::vector<int> concentric_vdims;  // directions per side of each stored depth map
+  bool has_ggx = false;               // the tile's lobes are GGX
   bool has_btf = false, has_flat = false, has_vdim = false, has_surface = false;
   bool identity_parameterization = false;
   // Of the tile's parameterization: triangles that lie the wrong way round in p, and surface area per
@@ -88,8 +94,9 @@ class BakedOutput {
   // [geometry texel] (X - p.x, Y - p.y, Z, chart).
   Result<std::vector<glm::vec4>> geometry() const;
   struct Surface {
-    std::vector<glm::vec3> normal, diffuse;  // [flat texel]
+    std::vector<glm::vec3> normal, diffuse;  // [surface texel]
     std::vector<glm::vec2> specular;         // strength, exponent
+    std::vector<glm::vec4> ggx;              // f0, alpha; empty if the lobes are Phong
   };
   Result<Surface> surface() const;
 

@@ -68,6 +68,8 @@ class BakeCommand : public Command {
     options.path("-o,--output", output_, "Folder to fill", true);
     options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
     options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
+    options.integer("--surface-size", bake_.surface_size,
+                    "Texels per side of the surface's normal and reflectance; 0: twice --size", 0, 4096);
     options.integer("--geometry-size", bake_.geometry_size,
                     "Texels per side of the geometry image; 0: 128, or as --size if that is more", 0, 2048);
     options.text("--directions", directions_, "Sampled lights and views: bonn81, ubo151 or NxN (concentric)");

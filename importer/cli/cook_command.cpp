@@ -23,8 +23,8 @@ uint64_t rawBytes(const Material& material) {
   if (material.stored_vdim)
     bytes += material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
   if (material.surface)
-    bytes += material.surface->normal.data.size() + material.surface->diffuse.data.size() +
-             material.surface->specular.data.size();
+    bytes += material.surface->normal.data.size() + material.surface->color.data.size() +
+             material.surface->ambient.data.size();
   return bytes;
 }
 
@@ -43,10 +43,18 @@ class CookCommand : public Command {
                    "normal and diffuse map");
     options.choice("--preset", preset_, {"seed", "game", "reference"},
                    "seed: as published; game: 8 bit, small; reference: as exact as it gets");
-    options.text("--components", components_,
-                 "Y,CB,CR components; fused: CB = CR for what a ratio to Y leaves; default: the preset's");
-    options.choice("--shadows", shadows_, {"joint", "split"},
-                   "fused: cast shadows in the components, or in a map of their own that multiplies them");
+    options.text(
+        "--components", components_,
+        "Y,CB,CR components of the bands; fused: of the coarse one, with --near band of the fine one, "
+        "CB = CR for what a ratio to Y leaves; default: the preset's");
+    options.choice("--near", near_, {"surface", "band"},
+                   "fused, up close: the surface's own reflectance and shadows, or a band fitted to the BTF");
+    options.choice(
+        "--visibility", visibility_, {"auto", "none", "lookup"},
+        "Cast shadows of the surface: none, by the lookup towards the light, or what measures best");
+    options.choice(
+        "--shadows", shadows_, {"joint", "split"},
+        "--near band: cast shadows in the components, or in a map of their own that multiplies them");
     options.integer("--light-components", cook_.light_components,
                     "Components of that map; 0: the preset's, or what a goal leaves room for", 0, 32);
     options.integer(
@@ -89,6 +97,9 @@ class CookCommand : public Command {
     cook_.preset = preset_ == "seed"        ? Preset::kSeed
                    : preset_ == "reference" ? Preset::kReference
                                             : Preset::kGame;
+    cook_.near = near_ == "band" ? Near::kBand : Near::kSurface;
+    if (visibility_ != "auto")
+      cook_.visibility = visibility_ == "lookup" ? Visibility::kLookup : Visibility::kNone;
     cook_.shadows = shadows_ == "split" ? Shadows::kSplit : Shadows::kJoint;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
@@ -219,7 +230,8 @@ class CookCommand : public Command {
   }
 
   std::filesystem::path input_, output_;
-  std::string mode_ = "fused", preset_ = "game", shadows_ = "joint", components_, name_;
+  std::string mode_ = "fused", preset_ = "game", shadows_ = "joint", near_ = "surface", visibility_ = "auto",
+              components_, name_;
   bool explain_ = false, fix_nonfinite_ = false;
   std::shared_ptr<RepairLog> repairs_;
   CookOptions cook_;

@@ -71,8 +71,8 @@ NamedTextures texturesOf(const Material& material) {
   }
   if (material.surface) {
     all.emplace_back("normal", &material.surface->normal);
-    all.emplace_back("diffuse", &material.surface->diffuse);
-    all.emplace_back("specular", &material.surface->specular);
+    all.emplace_back("color", &material.surface->color);
+    all.emplace_back("ambient", &material.surface->ambient);
   }
   return all;
 }
@@ -217,7 +217,7 @@ class ExtractCommand : public Command {
     if (map_.starts_with("vdim.") || map_ == "geometry") return bakedGeometry(*baked);
     const auto surface = baked->surface();
     if (!surface) return surface.issue();
-    const glm::ivec2 size(baked->manifest().flat_size);
+    const glm::ivec2 size(baked->manifest().surface_size);
     report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
     if (map_ == "normal") return pictureFromSlice(surface->normal, size);
     if (map_ == "diffuse") return pictureFromSlice(surface->diffuse, size);

@@ -79,8 +79,8 @@ std::vector<Part> partsOf(const AssetFile& file) {
   }
   if (material.surface) {
     parts.push_back(partOf("surface normal", material.surface->normal, file.surfaceStoredBytes()));
-    parts.push_back(partOf("surface diffuse", material.surface->diffuse, 0));
-    parts.push_back(partOf("surface specular", material.surface->specular, 0));
+    parts.push_back(partOf("surface color", material.surface->color, 0));
+    parts.push_back(partOf("surface ambient", material.surface->ambient, 0));
     if (material.surface->tail_mip > 0)
       parts.push_back(leadingPart("surface tail", formatted("mips from %d on", material.surface->tail_mip),
                                   file.surfaceStoredBytes(AssetFile::Share::kFirst),

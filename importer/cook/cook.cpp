@@ -26,8 +26,15 @@ Status checkOptions(const CookOptions& o) {
   if (o.mode == Mode::kSurface && (o.levels > 0 || o.y_components > 0 || chroma))
     return refuse(o.levels > 0 ? "--levels" : "--components",
                   "has no meaning with --mode surface, which has no bands");
-  if (o.shadows == Shadows::kSplit && o.mode != Mode::kFused)
-    return refuse("--shadows split", "has a meaning with --mode fused only");
+  const bool near = o.mode == Mode::kFused && o.near == Near::kSurface;
+  if (o.near == Near::kBand && o.mode != Mode::kFused)
+    return refuse("--near band", "has a meaning with --mode fused only");
+  if (o.shadows == Shadows::kSplit && (o.mode != Mode::kFused || near))
+    return refuse("--shadows split", "has a meaning with --mode fused --near band only");
+  if (o.visibility && !near && o.mode != Mode::kSurface)
+    return refuse("--visibility", "has a meaning with a near term only");
+  if (near && chroma)
+    return refuse("--components", "has no CB and CR with a near term: its colour is the surface's own");
   if (o.light_components > 0 && o.shadows != Shadows::kSplit)
     return refuse("--light-components", "has a meaning with --shadows split only");
   if (o.cb_components != o.cr_components)
@@ -85,8 +92,10 @@ Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
   auto source = bakedSource(input);
   if (!source) return source.issue();
   if (options.mode == Mode::kLod) return cookLod(**source, options);
+  const auto surface = bakedSurface(input);
+  if (!surface) return surface.issue();
   return cookFused(
-      **source, [&](int side) { return geometryOf(input, side); }, options);
+      **source, [&](int side) { return geometryOf(input, side); }, *surface, options);
 }
 
 Result<Material> cook(const BtfSource& input, const CookOptions& options) {

@@ -1,6 +1,7 @@
 // From a baked output to a material: the fits of both papers and their combination.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "importer/btf/baked_output.h"
@@ -18,15 +19,24 @@ enum class Shadows {
   kSplit,  // in a light factor of the flat band, a map of its own (FBTF section 5)
 };
 
+// What shows up close, in mode fused.
+enum class Near {
+  kSurface,  // what is known of the surface: its reflectance and who sees the light (the near term)
+  kBand,     // a flat-domain band that is fitted to the BTF, as where the reflectance is not known
+};
+
 struct CookOptions {
   Mode mode = Mode::kFused;
   Preset preset = Preset::kGame;
   int y_components = 0, cb_components = 0, cr_components = 0;  // all 0: the preset's
-  Shadows shadows = Shadows::kJoint;
-  int light_components = 0;  // of kSplit; 0: the preset's, or what a goal leaves room for
-  int levels = 0;            // 0: the preset's
-  uint64_t max_bytes = 0;    // goal; 0: none. Bytes of all raw data in the file
-  double target_rmse = 0;    // goal on Y, white = 1; 0: none
+  Near near = Near::kSurface;
+  std::optional<Visibility> visibility = {};  // of the near term; empty: what measures best, kNone in mode
+                                              // surface
+  Shadows shadows = Shadows::kJoint;          // of kBand
+  int light_components = 0;                   // of kSplit; 0: the preset's, or what a goal leaves room for
+  int levels = 0;                             // 0: the preset's
+  uint64_t max_bytes = 0;                     // goal; 0: none. Bytes of all raw data in the file
+  double target_rmse = 0;                     // goal on Y, white = 1; 0: none
   int threads = 0;
   bool quiet = false;
 };

@@ -163,15 +163,73 @@ Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
   return band;
 }
 
+// The last level that the bands have, or without one the near maps.
+float coarsestLevelOf(const Material& m) {
+  if (m.bands.empty()) return std::max(m.surface->lambda_first + float(m.surface->color.mips - 1), 0.0f);
+  const Band& last = m.bands.back();
+  return last.lambda_first + static_cast<float>(last.weights.mips - 1);
+}
+
 }  // namespace
 
 int flatSide(const FusedPlan& plan, int side) {
   return std::max(1, static_cast<int>(std::lround(side * plan.flat_scale)));
 }
 
+namespace {
+
+constexpr int kErrorSamples = 20000;  // random texels, lights and views
+constexpr int kErrorPoints = 2;       // evaluations per side of a texel
+
+// A near term and the coarse band that takes over from it.
+void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const BakedSurface& surface) {
+  Material& m = fit.material;
+  NearOptions near{surface.side / plan.surface_side, hasCoarseBand(plan, m.side),
+                   plan.visibility.value_or(Visibility::kLookup)};
+  m.surface = nearMaps(surface, m.geometry, m.side, near, in.threads);
+  if (near.with_bands) {
+    m.bands.push_back(fitCoarseBand(in, plan));
+    m.bands.back().window = {};
+  }
+  const auto measure = [&](int points) {
+    const Evaluator evaluator(m, onThreads(in.threads));
+    return sampledError(evaluator, in.btf, in.source.lights(), in.source.views(), points, kErrorSamples,
+                        in.threads);
+  };
+  fit.near = measure(kErrorPoints);
+  if (!plan.visibility && m.surface->visibility != Visibility::kNone) {
+    m.surface->visibility = Visibility::kNone;
+    const SampledError without = measure(kErrorPoints);
+    if (without.channel[0].mse < fit.near->channel[0].mse)
+      fit.near = without;
+    else
+      m.surface->visibility = Visibility::kLookup;
+  }
+  fit.near_at_centres = measure(1);
+  for (int c = 0; c < 3; ++c) fit.error.channel[c] = fit.near->channel[c];
+}
+
+// A flat-domain band through the lookup, and the coarse one.
+void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int lab_every) {
+  Material& m = fit.material;
+  const VdimAtlas atlas = buildVdimAtlas(m.geometry, m.atlas, onThreads(in.threads));
+  VdimMaps maps;
+  maps.atlas = &atlas;
+  const Indirection a = makeIndirection(
+      in.btf.side(), flatSide(plan, in.btf.side()), in.source.views(),
+      [&](glm::dvec2 x, const glm::dvec3& wo) { return vdimLookup(maps, Lookup::kDefault, x, wo).p; },
+      in.threads);
+  m.bands.push_back(fitFlatBand(in, a, plan));
+  if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
+  fit.error = measureError(m, in.btf, in.source.lights(), in.source.views(), a, in.threads, lab_every);
+}
+
+}  // namespace
+
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
-                  const FusedPlan& plan, int threads, int lab_every) {
-  Material m;
+                  const FusedPlan& plan, int threads, int lab_every, const BakedSurface* surface) {
+  FusedFit fit;
+  Material& m = fit.material;
   m.mode = Mode::kFused;
   m.name = source.name();
   m.side = btf.side();
@@ -183,23 +241,19 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   else
     atlas = chooseAtlas(geometry, m.side, threads);
   m.atlas = atlas.size;
+  fit.atlases = std::move(atlas.trials);
   m.theta_max = gridFor(source.lights()).theta_max;
   Matrix means = imageMeans(btf, threads);
   m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
-
-  const Evaluator lookup(m, onThreads(threads));
-  const Indirection a = makeIndirection(
-      btf.side(), flatSide(plan, btf.side()), source.views(),
-      [&](glm::dvec2 x, const glm::dvec3& wo) { return lookup.findHit(x, 0.0, wo).p; }, threads);
   const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()),
                       threads};
-  m.bands.push_back(fitFlatBand(in, a, plan));
-  if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
-  const Band& last = m.bands.back();
-  m.lambda_max = last.lambda_first + static_cast<float>(last.weights.mips - 1);
+  if (plan.surface_side > 0 && surface)
+    fitNear(fit, in, plan, *surface);
+  else
+    fitBands(fit, in, plan, lab_every);
+  m.lambda_max = coarsestLevelOf(m);
   splitLeadingParts(m);
-  const BtfError error = measureError(m, btf, source.lights(), source.views(), a, threads, lab_every);
-  return {std::move(m), error, std::move(atlas.trials)};
+  return fit;
 }
 
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
@@ -216,6 +270,13 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   uint64_t bytes =
       textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
   const int light_quads = (plan.light_components + 3) / 4;
+  if (plan.surface_side > 0) {
+    bytes += nearBytes(plan.surface_side, side, hasCoarseBand(plan, side));
+    if (hasCoarseBand(plan, side))
+      bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) +
+               tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
+    return bytes;
+  }
   bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side),
                 fine_quads + 1 + light_quads + (light_quads > 0 ? 1 : 0)) +
            tables(plan.storage, fine_quads, plan.phis);
@@ -235,10 +296,15 @@ constexpr int kTrialSweeps = 2;  // enough to rank candidates
 // Of a light factor and of the shading under it, which is smooth: as many bytes as 20 components alone.
 constexpr int kSplitComponents = 8, kLightComponents = 12;
 
-FusedPlan presetPlan(const CookOptions& options) {
+FusedPlan presetPlan(const CookOptions& options, int surface_side) {
   FusedPlan plan;
   if (options.preset == Preset::kReference)
     plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
+  if (options.near == Near::kSurface) {
+    plan.surface_side = surface_side;
+    plan.visibility = options.visibility;
+    if (options.y_components) plan.coarse_y = options.y_components;
+  }
   if (options.shadows == Shadows::kSplit)
     plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
   if (options.y_components) plan.y_components = options.y_components;
@@ -251,17 +317,18 @@ FusedPlan presetPlan(const CookOptions& options) {
 }  // namespace
 
 Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry,
-                           const CookOptions& options) {
+                           const BakedSurface& surface, const CookOptions& options) {
   const Status levels = checkLevels(options.levels, source.size().x);
   if (!levels) return levels.issue();
   auto btf = loadYcc(source, options.threads);
   if (!btf) return btf.issue();
-  FusedPlan plan = presetPlan(options);
+  FusedPlan plan = presetPlan(options, surface.side);
   std::vector<TradePoint> measured;
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
     Goal goal{options.max_bytes, options.target_rmse, options.levels};
+    goal.surface_side = plan.surface_side;
     if (options.light_components > 0)
       goal.light_components = {options.light_components};
     else if (options.shadows == Shadows::kSplit)
@@ -277,7 +344,8 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
       candidate.atlas = atlases[image->side()];
       candidate.sweeps = kTrialSweeps;
       candidate.coarse_y = 0;
-      const double rmse = fitFused(source, *btf, *image, candidate, options.threads).error.channel[0].rmse();
+      const double rmse =
+          fitFused(source, *btf, *image, candidate, options.threads, 0, &surface).error.channel[0].rmse();
       progress.advance();
       return rmse;
     };
@@ -286,13 +354,14 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
     progress.advance(uint64_t(mostTrials(goal, baked->side())) -
                      choice->measured.size());  // the search ended early
     plan = choice->plan;
+    plan.visibility = options.visibility;
     measured = std::move(choice->measured);
   }
   const auto image = geometry(plan.geometry_side);
   if (!image) return image.issue();
-  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads);
-  fit.material.meta_json =
-      cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error, measured, fit.atlases);
+  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads, 0, &surface);
+  fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error,
+                                    measured, fit.atlases, &fit);
   return std::move(fit.material);
 }
 

@@ -5,15 +5,21 @@
 #include <vector>
 
 #include "importer/cook/atlas_choice.h"
+#include "importer/cook/near_term.h"
 #include "importer/fit/band_pack.h"
 #include "importer/fit/indirection.h"
 #include "importer/fit/measure.h"
+#include "importer/fit/sampled_error.h"
 #include "material/model/material.h"
 
 namespace loden::importer {
 
 struct FusedPlan {
-  int y_components = 20;  // of the flat-domain band
+  // Texels per side of the near term's maps, those of the baked ones or a 2^n-th; 0: no near term, but a
+  // flat-domain band, which the next fields up to `phis` describe.
+  int surface_side = 0;
+  std::optional<Visibility> visibility = {};  // of the near term; empty: what measures best
+  int y_components = 20;                      // of the flat-domain band
   int chroma_components =
       0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
   int light_components =
@@ -35,14 +41,18 @@ int flatSide(const FusedPlan& plan, int side);
 
 struct FusedFit {
   Material material;
-  BtfError error;                   // at lambda 0, sampled directions, through the shader's default lookup
-  std::vector<AtlasTrial> atlases;  // that were measured, if the plan names none
+  // At lambda 0 and sampled directions through the shader's default lookup; with a near term at random ones
+  // of these, of the mean of four evaluations a texel.
+  BtfError error;
+  std::optional<SampledError> near, near_at_centres;  // with a near term: of four evaluations, and of one
+  std::vector<AtlasTrial> atlases;                    // that were measured, if the plan names none
 };
 
-// `geometry` is already at plan.geometry_side. Deterministic at any number of threads. lab_every: as in
-// measureError.
+// `geometry` is already at plan.geometry_side; `surface` is there if the plan has a near term. Deterministic
+// at any number of threads. lab_every: as in measureError.
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
-                  const FusedPlan& plan, int threads, int lab_every = 0);
+                  const FusedPlan& plan, int threads, int lab_every = 0,
+                  const BakedSurface* surface = nullptr);
 
 // Raw bytes that the file of a plan holds at most, without fitting it; exact for coarse_phis as chosen.
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);

@@ -14,11 +14,22 @@ constexpr int kMostComponents = 40;
 
 constexpr int kLeastGeometry = 16;  // texels per side
 
-// Everything but the number of components, from frugal to lavish: columns of the flat band's grid (more than
-// 11 buy less than more components do, but a lavish plan has enough of these), scale of the flat map, share
-// of the baked geometry image.
-std::vector<FusedPlan> structures(int geometry_side) {
+// Everything but the number of components, from frugal to lavish. Of near terms: sides of their maps and of
+// the geometry image. Of flat-domain bands: columns of the flat band's grid (more than 11 buy less than more
+// components do, but a lavish plan has enough of these), scale of the flat map, share of the baked geometry
+// image.
+std::vector<FusedPlan> structures(int geometry_side, int surface_side) {
   std::vector<FusedPlan> all;
+  for (const int surface_share : {4, 2, 1})
+    for (const int share : {4, 2, 1}) {
+      if (surface_side == 0 || surface_side % surface_share != 0) continue;
+      if (share > 1 && (geometry_side % share != 0 || geometry_side / share < kLeastGeometry)) continue;
+      FusedPlan plan;
+      plan.surface_side = surface_side / surface_share;
+      plan.geometry_side = geometry_side / share;
+      all.push_back(plan);
+    }
+  if (surface_side > 0) return all;
   for (const int phis : {7, 11, 17})
     for (const int scale : {1, 2})
       for (const int share : {4, 2, 1}) {
@@ -35,6 +46,10 @@ std::vector<FusedPlan> structures(int geometry_side) {
 // The coarse band keeps step: as many components, which have to hold the shadows too there, and a grid finer
 // by the same margin as in the default.
 FusedPlan withComponents(FusedPlan plan, int y) {
+  if (plan.surface_side > 0) {  // the near term has none
+    plan.coarse_y = y;
+    return plan;
+  }
   plan.y_components = y;
   plan.coarse_y = y + plan.light_components;
   plan.coarse_phis = plan.phis + FusedPlan{}.coarse_phis - FusedPlan{}.phis;
@@ -42,7 +57,9 @@ FusedPlan withComponents(FusedPlan plan, int y) {
 }
 
 // Components that a search for the fewest bytes tries, in order.
-std::vector<int> componentSteps() {
+std::vector<int> componentSteps(const Goal& goal) {
+  // An error at lambda 0 does not tell how many the coarse band of a near term needs: the default.
+  if (goal.surface_side > 0) return {FusedPlan{}.coarse_y};
   std::vector<int> steps;
   for (int y = 4; y <= kMostComponents; y += y < 16 ? 4 : 8) steps.push_back(y);
   return steps;
@@ -65,7 +82,7 @@ class Search {
 
  private:
   std::vector<FusedPlan> plans() const {
-    std::vector<FusedPlan> all = structures(geometry_side_);
+    std::vector<FusedPlan> all = structures(geometry_side_, goal_.surface_side);
     for (const int light : goal_.light_components) {
       for (FusedPlan& plan : all) plan.levels = goal_.levels, plan.light_components = light;
       if (fits(withComponents(all.front(), 4))) break;
@@ -119,7 +136,7 @@ class Search {
   Result<Choice> fewestBytes() {
     std::optional<TradePoint> best, nearest;
     for (const FusedPlan& structure : plans())
-      for (const int y : componentSteps()) {
+      for (const int y : componentSteps(goal_)) {
         const FusedPlan plan = withComponents(structure, y);
         if (!fits(plan) || (best && bytes(plan) >= best->bytes)) break;
         const auto point = measured(plan);
@@ -144,7 +161,7 @@ class Search {
   Result<TradePoint> finerStorage(const TradePoint& point) {
     FusedPlan plan = point.plan;
     plan.storage = Storage::kSnorm16;
-    if (!fits(plan)) return point;
+    if (plan.surface_side > 0 || !fits(plan)) return point;
     const auto finer = measured(plan);
     if (!finer) return finer.issue();
     return finer->rmse_y < point.rmse_y ? *finer : point;
@@ -164,12 +181,12 @@ Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
 }
 
 int mostTrials(const Goal& goal, int geometry_side) {
-  const auto count = static_cast<int>(structures(geometry_side).size());
-  return 1 + (goal.target_rmse > 0 ? count * static_cast<int>(componentSteps().size()) : count);
+  const auto count = static_cast<int>(structures(geometry_side, goal.surface_side).size());
+  return 1 + (goal.target_rmse > 0 ? count * static_cast<int>(componentSteps(goal).size()) : count);
 }
 
 FusedPlan smallestPlan(int geometry_side) {
-  return withComponents(structures(geometry_side).front(), 4);
+  return withComponents(structures(geometry_side, 0).front(), 4);
 }
 
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points) {

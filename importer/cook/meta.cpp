@@ -34,7 +34,7 @@ uint64_t bandBytes(const Material& material) {
 uint64_t surfaceBytes(const Material& material) {
   if (!material.surface) return 0;
   const SurfaceMaps& maps = *material.surface;
-  return maps.normal.data.size() + maps.diffuse.data.size() + maps.specular.data.size();
+  return maps.normal.data.size() + maps.color.data.size() + maps.ambient.data.size();
 }
 
 uint64_t vdimBytes(const Material& material) {
@@ -94,7 +94,7 @@ uint64_t residentBytes(const Material& material) {
 
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
                      const BtfError* error, const std::vector<TradePoint>& trade,
-                     std::span<const AtlasTrial> atlases) {
+                     std::span<const AtlasTrial> atlases, const FusedFit* fit) {
   nlohmann::ordered_json meta = {
       {"mode", modeName(material.mode)},
       {"preset", preset},
@@ -105,11 +105,27 @@ std::string cookMeta(const Material& material, const std::string& input, const s
       {"raw_bytes", rawFileBytes(material)},
       {"gpu_bytes", residentBytes(material)}};
   if (error) {
-    const char* names[3] = {"y", "cb", "cr"};
-    for (int c = 0; c < 3; ++c) {
-      const FitError& e = error->channel[c];
-      meta["error"][names[c]] = {{"rmse", e.rmse()}, {"mse", e.mse}, {"mae", e.mae}};
+    const auto channels = [](const FitError(&channel)[3]) {
+      nlohmann::ordered_json json;
+      const char* names[3] = {"y", "cb", "cr"};
+      for (int c = 0; c < 3; ++c)
+        json[names[c]] = {{"rmse", channel[c].rmse()}, {"mse", channel[c].mse}, {"mae", channel[c].mae}};
+      return json;
+    };
+    meta["error"] = channels(error->channel);
+    if (fit && fit->near) {
+      meta["error"]["lab"] = fit->near->lab;
+      meta["error"]["evaluations"] = 4;
+      meta["error_of_one_evaluation"] = channels(fit->near_at_centres->channel);
+      meta["error_of_one_evaluation"]["lab"] = fit->near_at_centres->lab;
     }
+  }
+  if (material.surface) {
+    const SurfaceMaps& maps = *material.surface;
+    meta["near"] = {{"lobe", maps.lobe == Lobe::kGgx ? "ggx" : "phong"},
+                    {"visibility", visibilityName(maps.visibility)},
+                    {"side", maps.color.width},
+                    {"bytes", surfaceBytes(material)}};
   }
   if (!material.geometry.empty() && material.mode != Mode::kLod)
     meta["lookup"] = lookupMeta(material, atlases);
@@ -119,6 +135,8 @@ std::string cookMeta(const Material& material, const std::string& input, const s
       return f.bytes == p.bytes && f.rmse_y == p.rmse_y;
     });
     meta["trade"].push_back({{"y_components", p.plan.y_components},
+                             {"surface_side", p.plan.surface_side},
+                             {"coarse_components", p.plan.coarse_y},
                              {"light_components", p.plan.light_components},
                              {"phis", p.plan.phis},
                              {"flat_scale", p.plan.flat_scale},

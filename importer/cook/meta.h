@@ -27,10 +27,11 @@ uint64_t residentBytes(const Material& material);
 // (lookup_error.h) where the material has geometry that is looked up; `tried` lists `atlases`, default
 // lookup,
 //  "trade": [{"y_components", "phis", "flat_scale", "bits", "geometry_side", "bytes", "rmse_y", "pareto"}]};
-//  `error` may be
-// null, `trade` holds what a goal measured on its way.
+// `error` may be null, `trade` holds what a goal measured on its way. With a near term "near": {"lobe",
+// "visibility", "side", "bytes"}, and of `fit` "error" has "lab" and "evaluations", and
+// "error_of_one_evaluation" is the same of one evaluation a texel.
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
                      const BtfError* error, const std::vector<TradePoint>& trade = {},
-                     std::span<const AtlasTrial> atlases = {});
+                     std::span<const AtlasTrial> atlases = {}, const FusedFit* fit = nullptr);
 
 }  // namespace loden::importer

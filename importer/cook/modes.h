@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "importer/cook/cook.h"
+#include "importer/cook/near_term.h"
 #include "importer/fit/ycc_btf.h"
 
 namespace loden::importer {
@@ -19,11 +20,11 @@ Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
 // The same from data that is in memory already, without measuring.
 Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options);
 
-// Fine bands in the flat domain, coarse bands in the reference domain.
+// The near term, or fine bands in the flat domain; coarse bands in the reference domain.
 // A goal in `options` chooses the plan by measuring candidates.
 using GeometryReader = std::function<Result<GeometryImage>(int side)>;  // geometryOf of the input
 Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry,
-                           const CookOptions& options);
+                           const BakedSurface& surface, const CookOptions& options);
 
 // FBTF's GPU mode: one analytic appearance read at VDIM(x, wo).
 Result<Material> cookSurface(const BakedOutput& input, const CookOptions& options);

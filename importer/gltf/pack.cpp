@@ -46,9 +46,10 @@ Json fittedFallback(const Material& material) {
     color = rgbFromYcc(glm::dvec3(y, material.mean.cb * y, material.mean.cr * y));
   }
   if (material.surface) {
-    const Texture& diffuse = material.surface->diffuse;
-    const glm::vec4 code = fetchTexel(diffuse, diffuse.mips - 1, 0, 0, 0);
-    if (diffuse.mipWidth(diffuse.mips - 1) == 1) color = glm::dvec3(code);
+    // The average; metals, too, are matt in it, as the tile's own shape is not in the fallback.
+    const Texture& map = material.surface->color;
+    const glm::vec4 code = fetchTexel(map, map.mips - 1, 0, 0, 0);
+    if (map.mipWidth(map.mips - 1) == 1) color = glm::dvec3(code);
   }
   color = glm::clamp(color, 0.0, 1.0);
   // GGX alpha^2 = 2 / (n + 2) (Walter et al. 2007), alpha = roughness^2 (glTF); no highlight is fully rough.

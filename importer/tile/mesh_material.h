@@ -37,4 +37,18 @@ inline glm::vec2 phongLobe(const LocalBrdf& brdf) {
   return {brdf.specular + luminance(brdf.f0) * lobePeak(exponent), exponent};
 }
 
+// The GGX lobe that stands for the whole of a surface, f0 and alpha: its own, or as wide as its Phong lobe
+// and as bright at the peak; grey then.
+inline glm::vec4 ggxLobeOf(const LocalBrdf& brdf) {
+  if (brdf.alpha > 0) return {brdf.f0, brdf.alpha};
+  return {glm::vec3(std::min(brdf.specular / lobePeak(brdf.exponent), 1.0f)),
+          std::clamp(std::sqrt(2 / (brdf.exponent + 2)), kLeastAlpha, 1.0f)};
+}
+
+// Whether any of a tile's surface has a GGX lobe; then all of it is described by one.
+inline bool hasGgx(const Tile& tile) {
+  return !tile.materials.empty() || std::any_of(tile.brdfs.begin(), tile.brdfs.end(),
+                                                [](const LocalBrdf& brdf) { return brdf.alpha > 0; });
+}
+
 }  // namespace loden::importer

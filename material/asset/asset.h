@@ -37,6 +37,8 @@ struct AssetLimits {
   static constexpr uint64_t kMaxAtlasColumn = kMaxVdimColumn;  // patches per 32nd of a period squared
   static constexpr uint32_t kMaxTilePeriods = 4;               // any extent of the tile, and any displacement
   static constexpr uint32_t kMaxLambda = 32;                   // levels of detail
+  static constexpr uint32_t kMaxFinerLevels = 8;               // of surface maps, below lambda 0
+  static constexpr uint32_t kMaxSpecular = 65536;              // specular_scale
   static constexpr uint32_t kMaxNameBytes = 256;               // material name
   static constexpr uint32_t kMaxHeadBytes = 131072;            // raw HEAD; no valid record is longer
   static constexpr uint32_t kMaxMetaBytes = 1048576;           // text about the cooking

@@ -267,25 +267,38 @@ class MaterialCheck {
   }
 
   void checkSurface(const SurfaceMaps& maps) {
-    issues_.require(std::isfinite(maps.specular_scale) && maps.specular_scale >= 0, kMapField,
-                    "HEAD, surface maps", "specular_scale ", maps.specular_scale,
-                    " is negative or not finite");
-    issues_.require(within(maps.lambda_first, 0, Limits::kMaxLambda), kMapField, "HEAD, surface maps",
-                    "lambda_first ", maps.lambda_first, " is not in 0..", Limits::kMaxLambda);
-    checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, maps.tail_mip, "HEAD, normal map");
-    checkSurfaceMap(maps.diffuse, TexelFormat::kRGBA16Unorm, maps.tail_mip, "HEAD, diffuse map");
-    checkSurfaceMap(maps.specular, TexelFormat::kRG8Unorm, maps.tail_mip, "HEAD, specular map");
+    const auto require = [&](bool holds, const auto&... text) {
+      issues_.require(holds, kMapField, "HEAD, surface maps", text...);
+    };
+    require(m_.mode != Mode::kLod, "a material of mode lod has surface maps");
+    require(maps.lobe <= Lobe::kGgx, "lobe ", static_cast<uint32_t>(maps.lobe), " is unknown");
+    require(maps.visibility <= Visibility::kLookup, "visibility ", static_cast<uint32_t>(maps.visibility),
+            " is unknown");
+    require(within(maps.specular_scale, 0, Limits::kMaxSpecular), "specular_scale ", maps.specular_scale,
+            " is not in 0..", Limits::kMaxSpecular);
+    for (const float level : {maps.lambda_first, maps.ambient_first})
+      require(within(level, -double{Limits::kMaxFinerLevels}, Limits::kMaxLambda), "a first level ", level,
+              " is not in -", Limits::kMaxFinerLevels, "..", Limits::kMaxLambda);
+    require(std::isfinite(maps.fade_begin) && std::isfinite(maps.fade_end) && maps.fade_begin < maps.fade_end,
+            "the fade from ", maps.fade_begin, " to ", maps.fade_end, " does not ascend");
+    checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, 1, maps.tail_mip, "HEAD, normal map");
+    checkSurfaceMap(maps.color, TexelFormat::kRGBA8Srgb, 1, maps.tail_mip, "HEAD, color map");
+    checkSurfaceMap(maps.ambient, TexelFormat::kRGBA8Snorm, 2, 0, "HEAD, ambient map");
   }
 
-  void checkSurfaceMap(const Texture& map, TexelFormat format, int tail_mip, const std::string& place) {
+  void checkSurfaceMap(const Texture& map, TexelFormat format, int layers, int tail_mip,
+                       const std::string& place) {
     checkExtents(map, TextureShape::kArray2D, kMapField, place);
     issues_.require(map.format == format, kMapField, place, "the format is not ", texelFormatName(format));
-    issues_.require(map.depth == 1, kMapSize, place, "the map has layers");
-    // From afar a map is its average: one that ends earlier would pop where it comes in.
-    issues_.require(map.mips == fullMipCount(std::max(map.width, 1), std::max(map.height, 1)), kMapField,
-                    place, map.mips, " mips do not end at one texel");
+    issues_.require(map.depth == layers, kMapSize, place, map.depth, " layers, not ", layers);
+    // From afar a map is its average, if no band takes over: one that ends earlier would pop where it comes
+    // in.
+    const bool whole = map.mips == fullMipCount(std::max(map.width, 1), std::max(map.height, 1));
+    issues_.require(whole || !m_.bands.empty(), kMapField, place, map.mips, " mips do not end at one texel");
     issues_.require(within(tail_mip, 0, map.mips - 1), kMapField, place, "tail_mip ", tail_mip,
                     " is none of its ", map.mips, " mips");
+    issues_.require(tail_mip == 0 || m_.bands.empty(), kMapField, place,
+                    "maps of a material with bands have a tail");
   }
 
   const Material& m_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "material/model/leading_part.h"
+
 namespace loden {
 
 std::string chunkName(uint32_t type) {
@@ -33,7 +35,7 @@ auto texturesOf(MaterialType& material, const Part& part) {
   } else if (part.type == kVdim) {
     textures = {&material.stored_vdim->reference, &material.stored_vdim->packed};
   } else if (part.type == kSurf) {
-    textures = {&material.surface->normal, &material.surface->diffuse, &material.surface->specular};
+    textures = {&material.surface->normal, &material.surface->color, &material.surface->ambient};
   }
   return textures;
 }
@@ -76,7 +78,9 @@ std::vector<TexelRun> runsOf(const Material& material, const Part& part) {
   const std::vector<const Texture*> textures = partTextures(material, part);
   std::vector<TexelRun> runs;
   for (size_t i = 0; i < textures.size(); ++i) {
-    const int tail = part.share == kWhole ? 0 : material.surface->tail_mip;
+    const int tail = part.share == kWhole ? 0
+                     : i == 2             ? ambientTailMip(*material.surface)
+                                          : material.surface->tail_mip;
     runs.push_back(mipsOf(i, *textures[i], part.share == kRest ? 0 : tail,
                           part.share == kRest ? tail : textures[i]->mips));
   }

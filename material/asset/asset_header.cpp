@@ -68,9 +68,13 @@ void writeMaps(ByteWriter& out, const Material& material) {
     for (int axis = 0; axis < 2; ++axis) out.f32(vdim.range[axis]);
   }
   if (!material.surface) return;
-  out.f32(material.surface->specular_scale);
-  out.f32(material.surface->lambda_first);
-  out.u32(static_cast<uint32_t>(material.surface->tail_mip));
+  const SurfaceMaps& maps = *material.surface;
+  out.u32(static_cast<uint32_t>(maps.lobe));
+  out.u32(static_cast<uint32_t>(maps.visibility));
+  for (const float value :
+       {maps.specular_scale, maps.lambda_first, maps.ambient_first, maps.fade_begin, maps.fade_end})
+    out.f32(value);
+  out.u32(static_cast<uint32_t>(maps.tail_mip));
   for (const Texture* map : partTextures(material, {kSurf})) {
     for (const int extent : {map->width, map->height, map->mips}) out.u32(extent);
   }
@@ -260,19 +264,22 @@ class HeaderReader {
     return vdim;
   }
 
-  Texture readMap(TexelFormat format) {
+  Texture readMap(TexelFormat format, int layers) {
     const int width = integer(), height = integer(), mips = integer();
-    return {format, TextureShape::kArray2D, width, height, 1, mips, {}};
+    return {format, TextureShape::kArray2D, width, height, layers, mips, {}};
   }
 
   SurfaceMaps readSurface() {
     SurfaceMaps maps;
-    maps.specular_scale = in_.f32();
-    maps.lambda_first = in_.f32();
+    maps.lobe = static_cast<Lobe>(in_.u32());
+    maps.visibility = static_cast<Visibility>(in_.u32());
+    for (float* value :
+         {&maps.specular_scale, &maps.lambda_first, &maps.ambient_first, &maps.fade_begin, &maps.fade_end})
+      *value = in_.f32();
     maps.tail_mip = integer();
-    maps.normal = readMap(TexelFormat::kRGBA8Snorm);
-    maps.diffuse = readMap(TexelFormat::kRGBA16Unorm);
-    maps.specular = readMap(TexelFormat::kRG8Unorm);
+    maps.normal = readMap(TexelFormat::kRGBA8Snorm, 1);
+    maps.color = readMap(TexelFormat::kRGBA8Srgb, 1);
+    maps.ambient = readMap(TexelFormat::kRGBA8Snorm, 2);
     return maps;
   }
 

@@ -152,55 +152,6 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
   return sum;
 }
 
-// What the surface maps say at a hit; loden_fetch_surface of the shaders.
-template <class T>
-struct SurfaceTexel {
-  V3<T> normal, diffuse;
-  T exponent, strength;
-};
-template <class T>
-SurfaceTexel<T> fetchSurface(const SurfaceMaps& maps, const Hit<T>& hit) {
-  const T mip = hit.lambda - T(maps.lambda_first);
-  const V3<T> mapped(sampleRepeatLod(maps.normal, mip, 0, hit.p));
-  const T length = std::max(std::sqrt(glm::dot(mapped, mapped)), T(1e-4));
-  const V4<T> specular = sampleRepeatLod(maps.specular, mip, 0, hit.p);
-  // Toksvig 2004: normals that differ under the filter widen the lobe and lower its peak.
-  const T sharp = std::exp2(specular.y * T(12)), shortened = std::min(length, T(1));
-  const T exponent = sharp * shortened / (shortened + sharp * (T(1) - shortened));
-  const T strength = specular.x * T(maps.specular_scale) * (exponent + T(8)) / (sharp + T(8));
-  return {mapped / length, V3<T>(sampleRepeatLod(maps.diffuse, mip, 0, hit.p)), exponent, strength};
-}
-
-// The analytic appearance under light from all around: the polynomial's irradiance on the mapped normal, and
-// its value along the mirror direction times the lobe's integral, blurred as the lobe's width asks.
-template <class T>
-V3<T> evaluateSurfaceEnvironment(const SurfaceMaps& maps, const Hit<T>& hit, const HemisphereLight& light,
-                                 const V3<T>& wo) {
-  const SurfaceTexel<T> s = fetchSurface(maps, hit);
-  const V3<T>& n = s.normal;
-  V3<T> r = T(2) * glm::dot(n, wo) * n - wo;
-  r.z = std::max(r.z, T(0));
-  const auto l = [&](int k) { return V3<T>(light.c[k]); };
-  const V3<T> irradiance = l(0) + T(2.0 / 3) * (l(1) * n.z + l(2) * n.x + l(3) * n.y) +
-                           T(0.25) * (l(4) * (n.x * n.y) + l(5) * (n.x * n.x - n.y * n.y));
-  // A lobe of exponent e about H is one of about e / 4 about r, which keeps exp(-l (l + 1) 2 / e) of order l.
-  const T first = std::exp(T(-4) / s.exponent), second = std::exp(T(-12) / s.exponent);
-  const V3<T> mirrored = l(0) + first * (l(1) * r.z + l(2) * r.x + l(3) * r.y) +
-                         second * (l(4) * (r.x * r.y) + l(5) * (r.x * r.x - r.y * r.y));
-  const V3<T> none(0);
-  return s.diffuse * glm::max(irradiance, none) +
-         (s.strength * T(8) / (s.exponent + T(8))) * glm::max(mirrored, none);
-}
-
-template <class T>
-V3<T> evaluateSurface(const SurfaceMaps& maps, const Hit<T>& hit, const V3<T>& wi, const V3<T>& wo) {
-  const SurfaceTexel<T> s = fetchSurface(maps, hit);
-  const V3<T> sum = wi + wo;
-  const V3<T> half = sum / std::max(std::sqrt(glm::dot(sum, sum)), T(1e-6));
-  const T lobe = std::pow(std::max(glm::dot(s.normal, half), T(1e-6)), s.exponent);
-  return (s.diffuse + s.strength * lobe) * std::max(glm::dot(s.normal, wi), T(0));
-}
-
 // A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus
 // tilt.
 template <class T>
@@ -213,8 +164,7 @@ V3<T> tilted(const V2<T>& tilt, const V3<T>& w) {
 // Share of what is shown at this lambda that is read at p. Mirrors loden_parameter_share.
 template <class T>
 T parameterShare(const Material& material, T lambda) {
-  if (material.mode == Mode::kSurface) return T(1);
-  T share = 0;
+  T share = nearWeight(material, lambda);
   for (const Band& band : material.bands)
     if (band.domain == Domain::kFlat) share = std::max(share, windowWeight(band.window, lambda));
   return share;
@@ -266,7 +216,11 @@ T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
 template <class T>
 Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup,
                           Parallax parallax, const LocalSurface<T>& surface) const {
-  Hit<T> hit{x, x, std::max({lambda, T(material_->lambda_min), T(0)})};
+  Hit<T> hit;
+  hit.x = hit.p = x;
+  hit.lambda = std::max(lambda, T(finestLevel(*material_)));
+  hit.position = V3<T>(x, T(0));
+  hit.surface = surface;
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
   const VdimMaps maps = vdimMaps();
@@ -274,11 +228,11 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   const bool fades = parallax == Parallax::kFaded && lookup != Lookup::kPaper;
   const T fade = fades ? parallaxFade(*material_, hit.lambda, wo) : T(1);
   const T share = parameterShare(*material_, hit.lambda);
-  const bool fitted = material_->mode == Mode::kSurface ||
-                      !material_->bands.empty();  // before, fits look p up for the bands to come
-  if (!(fade > 0) || (fitted && !(share > 0) && lookup != Lookup::kPaper)) return hit;
+  if (!(fade > 0) || (!(share > 0) && lookup != Lookup::kPaper)) return hit;
   const VdimHit<T> found = vdimLookup(maps, lookup, x, wo, surface);
   hit.p = glm::mix(x, found.p, fade);
+  hit.position = V3<T>(x + found.offset * fade, found.position.z * fade);
+  hit.relief = lookup != Lookup::kPaper;
   hit.depth = found.height * fade * std::min(T(2) * share, T(1));
   const T shown = fade * share;
   hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
@@ -299,7 +253,9 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_t
   const Material& m = *material_;
   const V3<T> wi = tilted(hit.tilt, wi_ts), wo = tilted(hit.tilt, wo_ts);
   if (wi.z <= 0 || wo.z <= 0) return V3<T>(0);
-  if (m.mode == Mode::kSurface && m.surface) return evaluateSurface(*m.surface, hit, wi, wo);
+  const T near = nearWeight(m, hit.lambda);
+  const V3<T> shown = near > 0 ? near * evaluateNearTerm(hit, wi, wo) : V3<T>(0);
+  if (!(near < 1)) return shown;
 
   const T theta_max = T(m.theta_max);
   const V3<T> light = clampTheta(wi, theta_max), view = clampTheta(wo, theta_max);
@@ -315,7 +271,19 @@ glm::vec<3, T> Evaluator::evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi_t
     const T weight = windowWeight(band.window, hit.lambda);
     if (weight > 0) ycc += weight * evaluateBand(band, m.theta_max, hit, at, mean);
   }
-  return glm::max(rgbFromYcc(ycc), V3<T>(0)) * cosine;
+  return shown + (T(1) - near) * (glm::max(rgbFromYcc(ycc), V3<T>(0)) * cosine);
+}
+
+template <class T>
+glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, T>& wi,
+                                           const glm::vec<3, T>& wo) const {
+  const SurfaceMaps& maps = *material_->surface;
+  const NearPoint<T> point = nearPoint(maps, hit.p, hit.lambda);
+  if (glm::dot(point.mapped, wi) <= 0) return V3<T>(0);
+  if (maps.visibility == Visibility::kLookup && hit.relief && !hit.missed &&
+      !lightReaches(vdimMaps(), hit.surface, hit.position, hit.p, wi))
+    return V3<T>(0);
+  return evaluateNear(maps.lobe, point, wi, wo);
 }
 
 void Evaluator::prepareEnvironment() {
@@ -330,7 +298,12 @@ glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const Hemispher
   const Material& m = *material_;
   const V3<T> wo = tilted(hit.tilt, wo_ts);
   if (wo.z <= 0) return V3<T>(0);
-  if (m.mode == Mode::kSurface && m.surface) return evaluateSurfaceEnvironment(*m.surface, hit, light, wo);
+  const T near = nearWeight(m, hit.lambda);
+  V3<T> shown(0);
+  if (near > 0)
+    shown = near * evaluateNearEnvironment(*m.surface, nearPoint(*m.surface, hit.p, hit.lambda), hit.p,
+                                           hit.lambda, light, wo);
+  if (!(near < 1)) return shown;
   LODEN_CHECK_EQ(environment_tables_.size(), m.bands.size());
   const V3<T> view = clampTheta(wo, T(m.theta_max));
   const V2<T> at = gridPosition(view, T(m.theta_max));
@@ -342,11 +315,15 @@ glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const Hemispher
     if (weight > 0)
       ycc += weight * evaluateBandEnvironment(m.bands[b], environment_tables_[b], hit, at, light, mean);
   }
-  return glm::max(V3<T>(rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z), V3<T>(0));
+  return shown +
+         (T(1) - near) *
+             glm::max(V3<T>(rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z), V3<T>(0));
 }
 
 float lightFactorAt(const Material& material, const Band& band, const glm::vec2& p, const glm::vec3& wi) {
-  Hit<float> hit{p, p, band.lambda_first};
+  Hit<float> hit;
+  hit.x = hit.p = p;
+  hit.lambda = band.lambda_first;
   TablePosition<float> at;
   at.light = gridPosition(clampTheta(wi, material.theta_max), material.theta_max);
   return lightFactor(band, material.theta_max, hit, p, at);

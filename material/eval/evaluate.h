@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "material/eval/near_term.h"
 #include "material/model/environment.h"
 #include "material/model/material.h"
 
@@ -22,6 +23,10 @@ struct Hit {
   int fetches = 0;         // of the lookup
   bool missed = false;     // the ray goes by a convex surface without meeting the tile
   glm::vec<2, T> tilt{0};  // of the surface's normal at the hit against that at x, on a curved surface
+  // For the lookup towards the light:
+  glm::vec<3, T> position{0};  // the hit P, tile periods; z in tile lengths below the reference surface
+  LocalSurface<T> surface;     // around x
+  bool relief = false;         // position is a point of the tile's geometry
 };
 
 // Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do
@@ -51,8 +56,9 @@ class Evaluator {
   // Builds what Lookup::kQuality reads; a material with geometry needs it for that.
   void prepareQuality();
 
-  // x in tile periods, any finite value; lambda clamped to >= 0; wo unit, wo.z > 0. p is x, without a fetch,
-  // where nothing that shows at lambda is read at p.
+  // x in tile periods, any finite value; lambda clamped to the finest level that the material has, 0 or that
+  // of finer near maps; wo unit, wo.z > 0. p is x, without a fetch, where nothing that shows at lambda is
+  // read at p.
   template <class T>
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
                  Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;
@@ -73,6 +79,9 @@ class Evaluator {
 
  private:
   VdimMaps vdimMaps() const;
+  template <class T>
+  glm::vec<3, T> evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, T>& wi,
+                                  const glm::vec<3, T>& wo) const;
 
   const Material* material_;
   VdimAtlas atlas_;

@@ -1,6 +1,7 @@
 #include "material/model/leading_part.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "material/model/environment.h"
 
@@ -20,6 +21,7 @@ void appendLayers(const Texture& from, int mip, int first, int count, std::vecto
 }
 
 Texture tailOf(const Texture& map, int mip) {
+  if (map.width == 0) return map;
   Texture tail = described(map, map.mipWidth(mip), map.mipHeight(mip), map.depth, map.mips - mip);
   if (!map.empty()) tail.data.assign(map.data.begin() + ptrdiff_t(map.mipOffset(mip)), map.data.end());
   return tail;
@@ -51,13 +53,22 @@ Band leadOf(const Band& band) {
   return lead;
 }
 
+int ambientTailMip(const SurfaceMaps& maps) {
+  const float finest = maps.lambda_first + float(maps.tail_mip) - maps.ambient_first;
+  return std::clamp(static_cast<int>(std::lround(finest)), 0, maps.ambient.mips - 1);
+}
+
 SurfaceMaps tailOf(const SurfaceMaps& maps) {
   SurfaceMaps tail;
   tail.normal = tailOf(maps.normal, maps.tail_mip);
-  tail.diffuse = tailOf(maps.diffuse, maps.tail_mip);
-  tail.specular = tailOf(maps.specular, maps.tail_mip);
+  tail.color = tailOf(maps.color, maps.tail_mip);
+  tail.ambient = tailOf(maps.ambient, ambientTailMip(maps));
+  tail.lobe = maps.lobe;
   tail.specular_scale = maps.specular_scale;
   tail.lambda_first = maps.lambda_first + float(maps.tail_mip);
+  tail.ambient_first = maps.ambient_first + float(ambientTailMip(maps));
+  tail.fade_begin = maps.fade_begin, tail.fade_end = maps.fade_end;
+  tail.visibility = maps.visibility;
   return tail;
 }
 
@@ -66,7 +77,7 @@ uint64_t gpuBytes(const Band& band) {
   return textureBytes(band.weights) + textureBytes(band.table) + light_table + environmentTableBytes(band);
 }
 uint64_t gpuBytes(const SurfaceMaps& maps) {
-  return textureBytes(maps.normal) + textureBytes(maps.diffuse) + textureBytes(maps.specular);
+  return textureBytes(maps.normal) + textureBytes(maps.color) + textureBytes(maps.ambient);
 }
 
 void splitLeadingParts(Material& material) {
@@ -83,7 +94,7 @@ void splitLeadingParts(Material& material) {
   }
   if (material.surface) {
     SurfaceMaps& maps = *material.surface;
-    const int last = std::min({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1;
+    const int last = material.bands.empty() ? std::min(maps.normal.mips, maps.color.mips) - 1 : 0;
     maps.tail_mip = 0;
     while (maps.tail_mip < last && gpuBytes(tailOf(maps)) > kLeadingPartBytes) ++maps.tail_mip;
     if (gpuBytes(tailOf(maps)) > kLeadingPartBytes) maps.tail_mip = 0;

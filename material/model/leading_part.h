@@ -14,6 +14,8 @@ Band leadOf(const Band& band);
 // The maps from mip tail_mip on, whose lambda_first says so; not split themselves. Without texels if `maps`
 // have none.
 SurfaceMaps tailOf(const SurfaceMaps& maps);
+// The mip of the ambient map whose level is that of tail_mip, or the nearest that there is.
+int ambientTailMip(const SurfaceMaps& maps);
 
 // Bytes on the GPU, with the table for light from all around that a band is given there.
 uint64_t gpuBytes(const Band& band);
@@ -24,7 +26,8 @@ inline constexpr uint64_t kLeadingPartBytes = 64u << 10;
 
 // Sets lead_quads and tail_mip as cooked assets have them. Of the coarsest band, if it lies in the reference
 // domain and takes more than kLeadingPartBytes: as many quads as fit into these. Of surface maps that take
-// more: the first mip from which they fit. What fits as a whole, or not at all, is not split.
+// more, in materials without bands: the first mip from which they fit. What fits as a whole, or not at all,
+// is not split.
 void splitLeadingParts(Material& material);
 
 // Bytes on the GPU of all leading parts, which stay there beside the whole.

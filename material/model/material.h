@@ -1,6 +1,10 @@
 // A material in memory: what an asset holds, decoded into the terms of the one equation
-//   value(x, lambda, wi, wo) = mu(wi, wo) + sum_b w_b(lambda) dot(D_b(q_b), E_b(wi, wo))
-// with q_b = x in the reference domain and VDIM(x, wo) in the flat domain.
+//   value(x, lambda, wi, wo) = w(lambda) V(P, wi) A(p; wi, wo)
+//                            + (1 - w(lambda)) [mu(wi, wo) + sum_b w_b(lambda) dot(D_b(q_b), E_b(wi, wo))]
+// with p, P = VDIM(x, wo) and q_b = x in the reference domain, p in the flat domain. A and V, the near term,
+// is what is known of the surface: its local reflectance, and whether the light meets it. mu and the bands
+// are what is fitted. Flat-BTF's GPU mode (Hadim et al. 2009, 3.5) is the near term alone with V = 1, LOD-BTF
+// (Ma et al. 2005) the rest alone.
 #pragma once
 
 #include <optional>
@@ -19,21 +23,49 @@ namespace loden {
 enum class Mode : uint32_t {
   kSurface = 0,  // FBTF's GPU mode: one analytic appearance read at VDIM(x, wo)
   kLod = 1,      // LBTF: bands in the reference domain
-  kFused = 2,    // fine bands in the flat domain, coarse bands in the reference domain
+  kFused = 2,    // the near term, or fine bands in the flat domain; coarse bands in the reference domain
 };
 const char* modeName(Mode mode);
 
-// The analytic appearance over p: value = (diffuse + specular * (N.H)^exponent) * max(N.L, 0), N from the
-// map.
+// How the surface scatters what its diffuse part does not.
+enum class Lobe : uint32_t {
+  kPhong = 0,  // Blinn-Phong: strength (N.H)^exponent
+  kGgx = 1,    // glTF 2.0, appendix B: metalness and roughness
+};
+
+// How V is found: whether the light from wi meets P first.
+enum class Visibility : uint32_t {
+  kNone = 0,    // it is not: V = 1, no cast shadows
+  kLookup = 1,  // by the VDIM lookup (Lookup::kFast) along wi: what answers the eye answers the light
+};
+// "none", "lookup".
+const char* visibilityName(Visibility visibility);
+
+// The near term's maps over p, all with mips, of which the last is one texel unless bands take over before:
+// the local reflectance A = (diffuse max(N.L, 0) + lobe (N'.L)), with the mean normal N as it is stored for
+// the diffuse part (the mean of N.L where all is lit), and of unit length (N') for the lobe, whose width is
+// that of the surface and of the normals that a texel holds (after Toksvig 2004).
 struct SurfaceMaps {
-  Texture normal;   // RGBA8 snorm, mips: xyz of the shading normal in the reference frame, whose length
-                    // shrinks in the mips where normals differ; a unused. z < 0 on the underside of overhangs
-  Texture diffuse;  // RGBA16 unorm, mips: linear albedo; a unused
-  Texture specular;  // RG8 unorm, mips: r = strength / specular_scale, g = log2(exponent) / 12
-  float specular_scale = 1;
-  float lambda_first = 0;  // lambda of mip 0; above 0 of a tail alone
-  int tail_mip = 0;        // mips from here on are stored apart from the finer ones
-                           // (material/model/leading_part.h); 0: stored in one
+  Lobe lobe = Lobe::kPhong;
+  // RGBA8 snorm: xyz the mean normal in the reference frame, z < 0 on the underside of overhangs; a the
+  // lobe's width: Phong log2(exponent) / 12, GGX roughness (the square root of alpha).
+  Texture normal;
+  // RGBA8 sRGB (a linear): Phong rgb the diffuse albedo, a strength / specular_scale; GGX rgb the base
+  // colour, a metalness.
+  Texture color;
+  // RGBA8 snorm, two layers: what of light from all around meets the surface, T_k = 1 / pi * integral over
+  // the hemisphere of V max(N.w, 0) h_k(w) dw for the basis h_k of material/model/environment.h; k = 0..3 in
+  // layer 0, 4 and 5 in layer 1, the rest unused.
+  Texture ambient;
+  float specular_scale = 1;  // of Phong
+  float lambda_first = 0;    // lambda of mip 0 of normal and color; below 0 where they are finer than `side`
+  float ambient_first = 0;   // of mip 0 of ambient
+  int tail_mip = 0;          // mips of all maps from here on are stored apart from the finer ones
+                             // (material/model/leading_part.h); 0: stored in one
+  // w(lambda): 1 up to fade_begin, 0 from fade_end on, linear between. 1 everywhere in materials without
+  // bands.
+  float fade_begin = 1e4f, fade_end = 2e4f;
+  Visibility visibility = Visibility::kNone;
 };
 
 struct Material {
@@ -58,5 +90,12 @@ struct Material {
   std::optional<SurfaceMaps> surface;
   std::string meta_json;  // how it was cooked and what error was measured; free text for the reader
 };
+
+// The finest level that the material gives: lambda_min if that is above 0, else 0 or that of finer near maps.
+float finestLevel(const Material& material);
+
+// w(lambda) of the near term; 0 without surface maps, 1 at every lambda without bands.
+template <class T>
+T nearWeight(const Material& material, T lambda);
 
 }  // namespace loden

@@ -6,6 +6,7 @@
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
 #include "material/model/environment.h"
+#include "material/model/leading_part.h"
 #include "runtime/stream/shader_variants.h"
 
 namespace loden::runtime {
@@ -13,9 +14,6 @@ namespace loden::runtime {
 static_assert(LODEN_ENVIRONMENT_BASIS == kEnvironmentBasis && LODEN_ENVIRONMENT_THETAS == kEnvironmentThetas);
 
 namespace {
-
-// A highlight below this, of white, is left out with its map.
-constexpr float kLeastSpecular = 1.0f / 2048;
 
 // Reciprocal of a ramp's length; a step becomes a very steep ramp.
 float ramp(float begin, float end) {
@@ -73,8 +71,8 @@ int lightFactors(const Material& material) {
 static_assert(ShaderLimits::kMaxBands == LODEN_MAX_BANDS && ShaderLimits::kMaxQuads == LODEN_MAX_QUADS);
 
 Status checkBands(const Material& material) {
-  if (material.bands.empty())
-    return limitIssue(material, "a material without bands and surface maps cannot be drawn");
+  if (material.surface && material.bands.size() > kMostNearBands)
+    return limitIssue(material, "surface maps among more than " + std::to_string(kMostNearBands) + " bands");
   if (material.bands.size() > LODEN_MAX_BANDS)
     return limitIssue(material, std::to_string(material.bands.size()) + " bands, shaders read " +
                                     std::to_string(LODEN_MAX_BANDS) + "; cook with fewer levels");
@@ -92,22 +90,20 @@ Status checkBands(const Material& material) {
 }
 
 bool readsParameter(const Material& material) {
-  if (material.mode == Mode::kSurface) return true;
+  if (material.surface) return true;
   return std::any_of(material.bands.begin(), material.bands.end(),
                      [](const Band& band) { return band.domain == Domain::kFlat; });
 }
 
 }  // namespace
 
-Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup) {
+Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup, Visibility most) {
   MaterialVariant variant;
-  if (material.mode == Mode::kSurface) {
-    if (!material.surface)
-      return limitIssue(material, "a surface material without surface maps cannot be drawn");
-    variant.kind = MaterialVariant::Kind::kSurface;
-  } else {
+  if (material.bands.empty() && !material.surface)
+    return limitIssue(material, "a material without bands and surface maps cannot be drawn");
+  variant.near = material.surface.has_value();
+  if (!material.bands.empty()) {
     if (Status status = checkBands(material); !status) return status.issue();
-    variant.kind = MaterialVariant::Kind::kBands;
     variant.bands = static_cast<uint8_t>(material.bands.size());
     variant.nearest_tables = material.bands.front().layout == TableLayout::kNearest;
     variant.light_factor = lightFactors(material) > 0;
@@ -119,6 +115,7 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup)
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
     variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
+  if (variant.near && hasRelief(variant)) variant.visibility = std::min(material.surface->visibility, most);
   return variant;
 }
 
@@ -128,7 +125,7 @@ LodenMaterialData makeMaterialData(const Material& m) {
   if (m.cosine_included) data.bits |= LODEN_COSINE_INCLUDED;
   if (m.geometry.identity_parameterization) data.bits |= LODEN_IDENTITY;
   if (m.mode == Mode::kLod) data.bits |= LODEN_CLAMP_LAMBDA;
-  if (m.surface && m.surface->specular_scale > kLeastSpecular) data.bits |= LODEN_SPECULAR;
+  if (m.surface && m.surface->lobe == Lobe::kGgx) data.bits |= LODEN_GGX;
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};
   data.mean_chroma = {m.mean.cb, m.mean.cr};
   data.theta_max = {m.theta_max, std::cos(m.theta_max), std::sin(m.theta_max), 1 / m.theta_max};
@@ -138,8 +135,12 @@ LodenMaterialData makeMaterialData(const Material& m) {
     data.paper_size = {m.stored_vdim->zeniths, m.stored_vdim->azimuths};
   }
   data.value_scale = m.value_scale, data.side = float(m.side), data.lambda_max = m.lambda_max;
-  if (m.surface)
-    data.specular_scale = m.surface->specular_scale, data.surface_lambda = m.surface->lambda_first;
+  if (m.surface) {
+    const SurfaceMaps& maps = *m.surface;
+    data.specular_scale = maps.specular_scale, data.surface_lambda = maps.lambda_first;
+    data.ambient_lambda = maps.ambient_first;
+    data.near_end = maps.fade_end, data.near_slope = ramp(maps.fade_begin, maps.fade_end);
+  }
   if (!m.bands.empty()) {
     const EnvironmentMean mean = environmentMean(m);
     std::copy(mean.rows.begin(), mean.rows.end(), data.environment_mean);
@@ -151,25 +152,34 @@ LodenMaterialData makeMaterialData(const Material& m) {
 }
 
 float coarsestLevel(const Material& material) {
-  if (material.mode != Mode::kSurface || !material.surface) return material.lambda_max;
+  if (!material.bands.empty() || !material.surface) return material.lambda_max;
   const SurfaceMaps& maps = *material.surface;
-  return maps.lambda_first + float(std::max({maps.normal.mips, maps.diffuse.mips, maps.specular.mips}) - 1);
+  return maps.lambda_first + float(std::max(maps.normal.mips, maps.color.mips) - 1);
 }
 
 float coarsestFade(const Material& material) {
-  return material.mode == Mode::kSurface ? 3 : 1;
+  return material.bands.empty() ? 3 : 1;
 }
 
 float coarsestShare(const Material& material, const ResidentState& state) {
   return glm::clamp((coarsestLevel(material) - state.lambda) / coarsestFade(material) + 1, 0.0f, 1.0f);
 }
 
+float shownLambda(const Material& material, float published) {
+  const float finest = finestLevel(material);
+  if (finest >= 0) return std::max(published, finest);
+  return published < 1 ? finest + published * (1 - finest) : published;
+}
+
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state) {
-  data.resident_lambda = std::max(std::min(state.lambda, coarsestLevel(material)), material.lambda_min);
+  data.resident_lambda = shownLambda(material, std::min(state.lambda, coarsestLevel(material)));
   data.geometry_resident = state.atlas.texels > 0 ? 1 : 0;
   data.atlas_texels = state.atlas.texels, data.atlas_directions = state.atlas.directions;
-  if (material.surface)
-    data.surface_lambda = material.surface->lambda_first + float(state.tail ? material.surface->tail_mip : 0);
+  if (material.surface) {
+    const SurfaceMaps& maps = *material.surface;
+    data.surface_lambda = maps.lambda_first + float(state.tail ? maps.tail_mip : 0);
+    data.ambient_lambda = maps.ambient_first + float(state.tail ? ambientTailMip(maps) : 0);
+  }
   // A band that is needed at every lambda has no window to come in by: its weight follows the published
   // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.
   const float share = coarsestShare(material, state);

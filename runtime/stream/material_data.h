@@ -12,7 +12,9 @@ namespace loden::runtime {
 
 // What the shader must be built for. kPaper where only a stored VDIM exists, kNone where nothing is read at
 // p. kLimit if the material has more bands or quads than the shaders take, or mixes table layouts.
-Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup);
+// `most`: no better visibility than that.
+Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
+                                        Visibility most = Visibility::kLookup);
 
 // The whole block but for what applyResidency writes. Texel data is not looked at.
 LodenMaterialData makeMaterialData(const Material& material);
@@ -34,6 +36,9 @@ float coarsestLevel(const Material& material);
 float coarsestFade(const Material& material);
 // How far it has faded in, from 0 at a published coarsestLevel + coarsestFade to 1 at coarsestLevel.
 float coarsestShare(const Material& material, const ResidentState& state);
+// The finest lambda to show at a published one: below 1 it goes on to the level of near maps that are finer
+// than the reference texels.
+float shownLambda(const Material& material, float published);
 // Names the atlas, clamps lambda, closes the windows of absent bands, and fades those in that no window
 // would; reads what is there of bands and maps that are there in part, and fades the rest in.
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state);

@@ -169,12 +169,13 @@ Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share
   if (!maps) return maps.issue();
   LoadedPart part;
   if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::tail, *maps);
-  part.textures.push_back(
-      {LODEN_UNIT_NORMAL, Sampling::kRepeatTrilinear, false, "normal", std::move(maps->normal)});
-  part.textures.push_back(
-      {LODEN_UNIT_DIFFUSE, Sampling::kRepeatTrilinear, false, "diffuse", std::move(maps->diffuse)});
-  part.textures.push_back(
-      {LODEN_UNIT_SPECULAR, Sampling::kRepeatTrilinear, false, "specular", std::move(maps->specular)});
+  const int bands = static_cast<int>(file.skeleton().bands.size());
+  const auto add = [&](int unit, const char* label, Texture& map) {
+    part.textures.push_back({unit, Sampling::kRepeatTrilinear, false, label, std::move(map)});
+  };
+  add(LODEN_UNIT_NORMAL(bands), "normal", maps->normal);
+  add(LODEN_UNIT_COLOR(bands), "color", maps->color);
+  add(LODEN_UNIT_AMBIENT(bands), "ambient", maps->ambient);
   return part;
 }
 
@@ -217,8 +218,8 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
       return add("a packed VDIM", material.stored_vdim->packed);
     case PartKind::kSurface:
       add("a normal map", material.surface->normal);
-      add("a diffuse map", material.surface->diffuse);
-      return add("a specular map", material.surface->specular);
+      add("a color map", material.surface->color);
+      return add("an ambient map", material.surface->ambient);
   }
 }
 
@@ -227,7 +228,7 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
 std::vector<PartPlan> planParts(const Material& material, const MaterialVariant& variant,
                                 VdimAtlasSize full_atlas) {
   std::vector<PartPlan> parts;
-  if (variant.kind == MaterialVariant::Kind::kSurface) {
+  if (variant.bands == 0) {
     const float end = parallaxEnd(material);
     addSurface(parts, material);
     addLookupPart(parts, material, variant.lookup, end, full_atlas);
@@ -236,10 +237,12 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
     return parts;
   }
   addBands(parts, material, Domain::kReference);
-  float flat_end = 0;
+  float flat_end = variant.near ? material.surface->fade_end : 0;
   for (const Band& band : material.bands)
     if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
   addLookupPart(parts, material, variant.lookup, flat_end, full_atlas);
+  if (variant.near)
+    parts.push_back({PartKind::kSurface, 0, {}, {gpuBytes(*material.surface), material.surface->fade_end}});
   addBands(parts, material, Domain::kFlat);
   addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
   return parts;

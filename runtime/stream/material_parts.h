@@ -30,7 +30,8 @@ struct PartPlan {
 inline constexpr float kFirstAtlasLambda = 1;
 
 // Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.
-// Surface maps come before their geometry, or their tail does. A leading part (material/model/leading_part.h)
+// Surface maps of a material without bands come before their geometry, or their tail
+// does; of one with bands behind it. A leading part (material/model/leading_part.h)
 // stands before the whole, has textures of its own, and is shown again when the whole goes. Last the full
 // atlas, if it is larger than the first. Only what the variant reads.
 std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant,

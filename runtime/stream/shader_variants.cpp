@@ -36,19 +36,15 @@ bool hasRelief(const MaterialVariant& variant) {
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (row.relief && !hasRelief(variant)) return false;
   if (variant.lookup == Lookup::kQuality) return false;  // offline
-  switch (variant.kind) {
-    case MaterialVariant::Kind::kNone:
-      return row.none && variant == MaterialVariant{};
-    case MaterialVariant::Kind::kSurface:
-      return row.surface && variant.bands == 0 && !variant.nearest_tables && !variant.light_factor;
-    case MaterialVariant::Kind::kBands:
-      // The published VDIM and the nearest-direction images share texture units.
-      return row.bands && variant.bands >= 1 && variant.bands <= LODEN_MAX_BANDS &&
-             !(variant.nearest_tables && variant.lookup == Lookup::kPaper) &&
-             !(variant.light_factor && (variant.nearest_tables || variant.lookup == Lookup::kPaper ||
-                                        variant.bands > kMostLightFactorBands));
-  }
-  return false;
+  if (!variant.shadesMaterial()) return row.none && variant == MaterialVariant{};
+  if (!row.material || variant.bands > LODEN_MAX_BANDS) return false;
+  if (variant.visibility != Visibility::kNone && !(variant.near && hasRelief(variant))) return false;
+  const bool paper = variant.lookup == Lookup::kPaper;
+  if (variant.near)
+    return !variant.nearest_tables && !variant.light_factor && variant.bands <= (paper ? 0 : kMostNearBands);
+  // The published VDIM, the nearest-direction images and a light factor share texture units.
+  if (variant.nearest_tables && paper) return false;
+  return !variant.light_factor || !(variant.nearest_tables || paper || variant.bands > kMostLightFactorBands);
 }
 
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
@@ -58,25 +54,26 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
   };
   addIfAllowed({});
   for (const Lookup lookup : kLookups) {
-    addIfAllowed({MaterialVariant::Kind::kSurface, 0, lookup});
+    for (const Visibility visibility : {Visibility::kNone, Visibility::kLookup})
+      for (uint8_t bands = 0; bands <= kMostNearBands; ++bands)
+        addIfAllowed({true, bands, lookup, visibility});
     for (const bool nearest : {false, true})
       for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
         for (const bool light_factor : {false, true})
-          addIfAllowed({MaterialVariant::Kind::kBands, bands, lookup, nearest, light_factor});
+          addIfAllowed({false, bands, lookup, Visibility::kNone, nearest, light_factor});
   }
   return variants;
 }
 
 int unitsOf(const MaterialVariant& variant) {
-  if (variant.kind == MaterialVariant::Kind::kNone) return 0;
-  return LODEN_UNITS(variant.kind == MaterialVariant::Kind::kSurface ? 1 : variant.bands);
+  return variant.shadesMaterial() ? LODEN_UNITS(variant.bands) + (variant.near ? 3 : 0) : 0;
 }
 
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   std::vector<std::string> defines;
-  if (variant.kind == MaterialVariant::Kind::kSurface) defines.push_back("LODEN_MODE_SURFACE 1");
-  if (variant.kind == MaterialVariant::Kind::kBands)
-    defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
+  if (variant.near) defines.push_back("LODEN_NEAR 1");
+  if (variant.visibility == Visibility::kLookup) defines.push_back("LODEN_VISIBILITY_LOOKUP 1");
+  if (variant.bands > 0) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
   if (variant.light_factor) defines.push_back("LODEN_LIGHT_FACTOR 1");
@@ -85,13 +82,14 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
 }
 
 std::string variantName(const MaterialVariant& variant) {
-  if (variant.kind == MaterialVariant::Kind::kNone) return "plain";
-  std::string name =
-      variant.kind == MaterialVariant::Kind::kSurface ? "surface" : "bands" + std::to_string(variant.bands);
+  if (!variant.shadesMaterial()) return "plain";
+  std::string name = variant.near ? "near" : "";
+  if (variant.bands > 0) name += (variant.near ? "-bands" : "bands") + std::to_string(variant.bands);
   if (variant.nearest_tables) name += "-nearest";
   if (variant.light_factor) name += "-light";
   name += "-";
   name += lookupName(variant.lookup);
+  if (variant.visibility == Visibility::kLookup) name += "-shadows";
   if (variant.first_unit > 0) name += "-from" + std::to_string(variant.first_unit);
   return name;
 }

@@ -15,18 +15,21 @@ namespace loden::runtime {
 
 // What a material asks of a shader.
 struct MaterialVariant {
-  enum class Kind : uint8_t { kNone, kSurface, kBands };
-  Kind kind = Kind::kNone;  // kNone: the program shades no Loden material
-  uint8_t bands = 0;        // of kBands
+  bool near = false;  // there is a near term
+  uint8_t bands = 0;  // neither: the program shades no Loden material
   Lookup lookup = Lookup::kNone;
-  bool nearest_tables = false;  // of kBands: tables are read at the nearest sampled pair
-  bool light_factor = false;    // of kBands: a band has a light factor (material/model/band.h)
-  uint8_t first_unit = 0;       // texture unit that the material's begin at
+  Visibility visibility = Visibility::kNone;  // of the near term
+  bool nearest_tables = false;                // tables of bands are read at the nearest sampled pair
+  bool light_factor = false;                  // a band has a light factor (material/model/band.h)
+  uint8_t first_unit = 0;                     // texture unit that the material's begin at
+  bool shadesMaterial() const { return near || bands > 0; }
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };
 
 // A light factor goes with a cooked flat band, which has one coarser band beside it at most.
 inline constexpr size_t kMostLightFactorBands = 2;
+// Nor has a near term more: a cooked one replaces the flat band.
+inline constexpr size_t kMostNearBands = 2;
 
 // One row: two entry files and the material variants they may be built for.
 struct ProgramRow {
@@ -34,8 +37,7 @@ struct ProgramRow {
   std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
   std::string_view defines[2];        // more defines, "NAME VALUE", or empty
   bool none = false;                  // may be built without a material
-  bool surface = false;               // for surface materials
-  bool bands = false;                 // for 1 .. LODEN_MAX_BANDS bands
+  bool material = false;              // for materials, of a near term, bands or both
   bool relief = false;                // only for variants whose lookup finds a depth
 };
 
@@ -43,14 +45,13 @@ inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
 inline constexpr std::string_view kFollowSurface = "SCENE_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
 
 inline constexpr ProgramRow kProgramRows[] = {
-    {"scene_depth", "scene_depth.vert.glsl", "", {}, true, false, false},
-    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, true, true, true},
+    {"scene_depth", "scene_depth.vert.glsl", "", {}, true, false},
+    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, true, true},
     {"scene_forward_curved",
      "scene_forward.vert.glsl",
      "scene_forward.frag.glsl",
      {kFollowSurface},
      false,
-     true,
      true,
      true},
     {"scene_forward_depth",
@@ -59,14 +60,12 @@ inline constexpr ProgramRow kProgramRows[] = {
      {kParallaxDepth},
      false,
      true,
-     true,
      true},
     {"scene_forward_depth_curved",
      "scene_forward.vert.glsl",
      "scene_forward.frag.glsl",
      {kParallaxDepth, kFollowSurface},
      false,
-     true,
      true,
      true},
     {"scene_relief_depth",
@@ -75,14 +74,12 @@ inline constexpr ProgramRow kProgramRows[] = {
      {kParallaxDepth},
      false,
      true,
-     true,
      true},
     {"scene_relief_depth_curved",
      "scene_forward.vert.glsl",
      "scene_relief_depth.frag.glsl",
      {kParallaxDepth, kFollowSurface},
      false,
-     true,
      true,
      true},
 };
@@ -100,7 +97,7 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant);
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row);
 // "LODEN_BANDS 4", "LODEN_LOOKUP_DEFAULT 1" ...: what follows `#define`.
 std::vector<std::string> variantDefines(const MaterialVariant& variant);
-// "bands4-default"
+// "near-bands1-default-shadows"
 std::string variantName(const MaterialVariant& variant);
 
 }  // namespace loden::runtime

@@ -245,7 +245,8 @@ TEST(SurfaceSamples, AreThereWhereverAYarnOverlapsATexel) {
   const Tile tile = *builtinTile("weave", 48);
   const TileTracer tracer(tile);
   BakeManifest manifest;
-  manifest.flat_size = n, manifest.supersample = 2, manifest.directions = concentricDirections(2);
+  manifest.flat_size = manifest.surface_size = n, manifest.supersample = 2,
+  manifest.directions = concentricDirections(2);
   BakeCounters counters;
   const SurfaceSamples surface({tracer, manifest, counters});
   const TexelPoints points = locateTexels(tile, n, 2);

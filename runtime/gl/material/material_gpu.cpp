@@ -102,7 +102,7 @@ void MaterialGpu::create(SharedTextures& shared) {
     empty_[LODEN_UNIT_NEAREST_LIGHT] = nearest_light_->name();
     empty_[LODEN_UNIT_NEAREST_VIEW] = nearest_view_->name();
   }
-  if (variant_.kind == MaterialVariant::Kind::kSurface) createSurfaceStandIns();
+  if (variant_.near && variant_.bands == 0) createSurfaceStandIns();
   bound_ = empty_;
   block_ = makeBuffer(sizeof data_, {}, GL_DYNAMIC_STORAGE_BIT, label_ + " block");
   written_ = false;
@@ -111,24 +111,33 @@ void MaterialGpu::create(SharedTextures& shared) {
 void MaterialGpu::createSurfaceStandIns() {
   const PhongMean& mean = material_->mean;
   const float scale = data_.specular_scale;
-  const glm::vec4 specular{scale > 0 ? mean.ks / scale : 0, std::log2(std::max(mean.alpha, 1.0f)) / 12, 0, 1};
+  const bool ggx = material_->surface->lobe == Lobe::kGgx;
+  // A GGX material is dull until its maps are there.
+  const float strength = ggx || !(scale > 0) ? 0 : mean.ks / scale;
+  const float width = ggx ? 1 : std::log2(std::max(mean.alpha, 1.0f)) / 12;
   stand_ins_.clear();
-  const auto add = [this](int unit, TexelFormat format, const glm::vec4& value) {
-    StandIn stand_in{oneTexel(unit, format, TextureShape::kArray2D, false, value), value, value, {}};
+  const auto add = [this](int unit, TexelFormat format, std::vector<glm::vec4> layers) {
+    Texture texels = Texture::make(format, TextureShape::kArray2D, 1, 1, int(layers.size()));
+    for (size_t z = 0; z < layers.size(); ++z) storeTexel(texels, 0, 0, 0, int(z), layers[z]);
+    StandIn stand_in{
+        {unit, Sampling::kRepeatNearest, false, "", std::move(texels)}, layers, std::move(layers), {}};
     stand_in.texture = uploadWhole(stand_in.texel, label_ + " stand-in");
     empty_[size_t(unit)] = stand_in.texture.name();
     stand_ins_.push_back(std::move(stand_in));
   };
-  add(LODEN_UNIT_NORMAL, TexelFormat::kRGBA8Snorm, {0, 0, 1, 0});
-  add(LODEN_UNIT_DIFFUSE, TexelFormat::kRGBA16Unorm, {meanAlbedo(mean), 1});
-  add(LODEN_UNIT_SPECULAR, TexelFormat::kRG8Unorm, specular);
+  add(LODEN_UNIT_NORMAL(0), TexelFormat::kRGBA8Snorm, {{0, 0, 1, width}});
+  add(LODEN_UNIT_COLOR(0), TexelFormat::kRGBA8Srgb, {{meanAlbedo(mean), strength}});
+  // Of a plane with nothing around it: the integrals of the basis times the cosine, over pi.
+  add(LODEN_UNIT_AMBIENT(0), TexelFormat::kRGBA8Snorm, {{1, 2.0f / 3, 0, 0}, {0, 0, 0, 0}});
   stand_ins_shown_ = true;
 }
 
 void MaterialGpu::fadeStandIns(float share) {
   const GlPixelStateScope scope;
   for (StandIn& stand_in : stand_ins_) {
-    storeTexel(stand_in.texel.texels, 0, 0, 0, 0, glm::mix(stand_in.mean, stand_in.average, share));
+    for (size_t z = 0; z < stand_in.mean.size(); ++z)
+      storeTexel(stand_in.texel.texels, 0, 0, 0, int(z),
+                 glm::mix(stand_in.mean[z], stand_in.average[z], share));
     writeWhole(stand_in.texel, stand_in.texture);
   }
   stand_ins_shown_ = share < 1;
@@ -153,8 +162,8 @@ void MaterialGpu::setPart(size_t part, std::vector<GlTexture> textures, const Lo
   for (const PartTexture& texture : loaded.textures) {
     slot.units.push_back(texture.unit);
     for (StandIn& stand_in : stand_ins_)
-      if (stand_in.texel.unit == texture.unit)
-        stand_in.average = fetchTexel(texture.texels, texture.texels.mips - 1, 0, 0, 0);
+      for (size_t z = 0; z < stand_in.average.size() && stand_in.texel.unit == texture.unit; ++z)
+        stand_in.average[z] = fetchTexel(texture.texels, texture.texels.mips - 1, 0, 0, int(z));
   }
   chooseUnits();
 }

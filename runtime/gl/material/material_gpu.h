@@ -57,11 +57,11 @@ class MaterialGpu {
     std::vector<GlTexture> textures;
     std::vector<int> units;
   };
-  // One texel in the place of a surface map. Maps have no window to come in by: the texel turns from the
-  // fitted mean into the map's average as they fade in, and then gives way to the map.
+  // One texel a layer in the place of a surface map. Maps have no window to come in by: the texel turns from
+  // the fitted mean into the map's average as they fade in, and then gives way to the map.
   struct StandIn {
     PartTexture texel;
-    glm::vec4 mean{0}, average{0};
+    std::vector<glm::vec4> mean, average;  // per layer
     GlTexture texture;
   };
   void createSurfaceStandIns();

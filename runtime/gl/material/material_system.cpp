@@ -164,7 +164,8 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   Result<AssetFile> opened = AssetFile::open(std::move(counted), name);
   if (!opened) return opened.issue();
   const auto file = std::make_shared<const AssetFile>(std::move(*opened));
-  Result<MaterialVariant> variant = materialVariant(file->skeleton(), impl.options.lookup);
+  Result<MaterialVariant> variant =
+      materialVariant(file->skeleton(), impl.options.lookup, impl.options.visibility);
   if (!variant) return variant.issue();
   if (Status status = placeUnits(*variant, impl.options, impl.device->capabilities(), name); !status)
     return status.issue();
@@ -230,7 +231,7 @@ void MaterialSystem::bind(MaterialId id) {
 }
 
 float MaterialSystem::residentLambda(MaterialId id) const {
-  return std::max(impl_->residency.publishedLambda(impl_->indexOf(id)), material(id).lambda_min);
+  return shownLambda(material(id), impl_->residency.publishedLambda(impl_->indexOf(id)));
 }
 
 uint64_t MaterialSystem::reliefRevision() const {

@@ -1,0 +1,264 @@
+#include "importer/cook/near_term.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "importer/base/parallel.h"
+#include "importer/tile/charts.h"
+#include "importer/tile/mesh_material.h"
+#include "material/model/environment.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr float kDielectric = 0.04f;  // f0 of glTF's dielectrics
+constexpr int kAmbientRows = 8;       // of lights: 8 x 16 directions
+constexpr int kAmbientPoints = 2;     // per side of an ambient texel
+constexpr double kLift = 2e-3;        // tile periods along the normal: where shadow rays start
+constexpr int kFillSteps = 8;
+
+// What one texel averages.
+struct Texel {
+  glm::vec3 normal{0}, diffuse{0};
+  glm::vec3 f0{0};     // GGX
+  float strength = 0;  // Phong: value at the lobe's peak
+  float width = 0;     // Phong: log2(exponent); GGX: alpha^2
+};
+
+std::vector<Texel> texelsOf(const BakedOutput::Surface& maps) {
+  std::vector<Texel> texels;
+  for (size_t t = 0; t < maps.normal.size(); ++t) {
+    Texel texel{maps.normal[t], maps.diffuse[t]};
+    if (maps.ggx.empty()) {
+      texel.strength = maps.specular[t].x;
+      texel.width = std::log2(std::max(maps.specular[t].y, 1.0f));
+    } else {
+      texel.f0 = glm::vec3(maps.ggx[t]);
+      texel.width = maps.ggx[t].w * maps.ggx[t].w;
+    }
+    texels.push_back(texel);
+  }
+  return texels;
+}
+
+// 2 x 2 means of a map over p, each inside one chart.
+std::vector<Texel> halved(const std::vector<Texel>& fine, int side, std::span<const uint16_t> owners,
+                          std::span<const uint16_t> coarse_owners) {
+  const int half = side / 2;
+  std::vector<Texel> coarse(size_t(half) * size_t(half));
+  for (int j = 0; j < half; ++j)
+    for (int i = 0; i < half; ++i) {
+      const unsigned children = childrenOf(side, owners, coarse_owners, i, j);
+      const float share = 1 / float(std::popcount(children));
+      Texel& sum = coarse[size_t(j) * size_t(half) + size_t(i)];
+      for (int k = 0; k < 4; ++k) {
+        if ((children >> k & 1) == 0) continue;
+        const Texel& from = fine[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
+        sum.normal += share * from.normal, sum.diffuse += share * from.diffuse, sum.f0 += share * from.f0;
+        sum.strength += share * from.strength, sum.width += share * from.width;
+      }
+    }
+  return coarse;
+}
+
+struct StoredLobe {
+  float width, strength;  // as SurfaceMaps stores them, strength unscaled
+};
+
+// The lobe of the surface and of the normals that differ inside the texel.
+StoredLobe widened(const Texel& texel, Lobe lobe) {
+  const float length = std::clamp(glm::length(texel.normal), 1e-2f, 1.0f);
+  if (lobe == Lobe::kGgx) {
+    const float variance = 2 * (1 - length) / length;
+    return {std::sqrt(std::sqrt(std::min(texel.width + variance, 1.0f))), 0};
+  }
+  const float sharp = std::exp2(texel.width);
+  const float exponent = std::max(sharp * length / (length + sharp * (1 - length)), 1.0f);
+  return {std::log2(exponent) / 12, texel.strength * lobePeak(exponent) / lobePeak(sharp)};
+}
+
+// Base colour and metalness that give a diffuse albedo and an f0 (glTF 2.0, appendix B), the channel of the
+// largest sum deciding on the metalness m: diffuse = c (1 - m), f0 = .04 (1 - m) + c m.
+glm::vec4 baseOf(const Texel& texel) {
+  const glm::vec3 sum = texel.diffuse + texel.f0;
+  const int k = sum.x >= sum.y && sum.x >= sum.z ? 0 : sum.y >= sum.z ? 1 : 2;
+  // With s = diffuse + f0 = c + .04 (1 - m): c = s - .04 (1 - m), and diffuse = c (1 - m) is a quadratic in
+  // u = 1 - m: .04 u^2 - s u + diffuse = 0.
+  const float s = sum[k], root = std::sqrt(std::max(s * s - 4 * kDielectric * texel.diffuse[k], 0.0f));
+  const float u = s > 0 ? std::clamp(2 * texel.diffuse[k] / std::max(s + root, 1e-6f), 0.0f, 1.0f) : 1.0f;
+  const glm::vec3 base = glm::clamp(sum - kDielectric * u, glm::vec3(0), glm::vec3(1));
+  return {base, 1 - u};
+}
+
+int mipsOf(int surface_side, int side, bool with_bands) {
+  const int all = fullMipCount(surface_side, surface_side);
+  if (!with_bands) return all;
+  const double first = std::log2(double(side) / surface_side);
+  return std::clamp(static_cast<int>(std::ceil(double(kNearFadeEnd) - first)) + 1, 1, all);
+}
+
+using Transfer = std::array<double, kEnvironmentBasis>;
+
+struct AmbientLight {
+  glm::dvec3 direction;
+  Transfer basis;
+};
+
+// Midpoints equal in cos(theta) and phi; each stands for the same solid angle.
+std::vector<AmbientLight> ambientLights() {
+  std::vector<AmbientLight> lights;
+  for (int row = 0; row < kAmbientRows; ++row)
+    for (int column = 0; column < 2 * kAmbientRows; ++column) {
+      const double z = (row + 0.5) / kAmbientRows;
+      const glm::dvec3 w = directionFromSpherical({std::acos(z), kPi * (column + 0.5) / kAmbientRows});
+      lights.push_back({w, {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y}});
+    }
+  return lights;
+}
+
+// Texels without surface take the mean of their neighbours that have some, step by step; what is left lies
+// open.
+void fillAround(std::vector<Transfer>& map, int side, std::vector<uint8_t> known) {
+  for (int step = 0; step < kFillSteps; ++step) {
+    std::vector<uint8_t> next = known;
+    for (int t = 0; t < side * side; ++t) {
+      if (known[size_t(t)]) continue;
+      Transfer sum{};
+      int count = 0;
+      for (const auto& [dx, dy] : {std::pair{1, 0}, {side - 1, 0}, {0, 1}, {0, side - 1}}) {
+        const int n = (t / side + dy) % side * side + (t % side + dx) % side;
+        if (!known[size_t(n)]) continue;
+        for (int k = 0; k < kEnvironmentBasis; ++k) sum[size_t(k)] += map[size_t(n)][size_t(k)];
+        ++count;
+      }
+      if (count == 0) continue;
+      for (int k = 0; k < kEnvironmentBasis; ++k) map[size_t(t)][size_t(k)] = sum[size_t(k)] / count;
+      next[size_t(t)] = 1;
+    }
+    known = std::move(next);
+  }
+  for (size_t t = 0; t < map.size(); ++t)
+    if (!known[t]) map[t] = {1, 2.0 / 3, 0, 0, 0, 0};
+}
+
+// T_k of every texel (SurfaceMaps::ambient).
+std::vector<Transfer> ambientTransfer(const GeometryImage& image, int side, int threads) {
+  std::vector<Transfer> map(size_t(side) * size_t(side), Transfer{1, 2.0 / 3, 0, 0, 0, 0});
+  if (image.empty()) return map;
+  const GeometryTracer tracer(image);
+  const std::vector<AmbientLight> lights = ambientLights();
+  std::vector<uint8_t> known(map.size());
+  parallelFor(map.size(), threads, [&](size_t t) {
+    Transfer sum{};
+    int points = 0;
+    for (int s = 0; s < kAmbientPoints * kAmbientPoints; ++s) {
+      const glm::dvec2 inside((s % kAmbientPoints + 0.5) / kAmbientPoints,
+                              (s / kAmbientPoints + 0.5) / kAmbientPoints);
+      const glm::dvec2 texel(double(t % size_t(side)), double(t / size_t(side)));
+      const auto point = surfaceAt<double>(image, (texel + inside) / double(side));
+      if (point.chart == 0) continue;
+      ++points;
+      for (const AmbientLight& light : lights) {
+        const double cosine = glm::dot(point.normal, light.direction);
+        if (cosine <= 0 || tracer.occluded(point.position + kLift * point.normal, light.direction)) continue;
+        for (size_t k = 0; k < sum.size(); ++k) sum[k] += cosine * light.basis[k];
+      }
+    }
+    known[t] = points > 0;
+    const double measure = points > 0 ? 2.0 / double(lights.size()) / points : 0;  // dw / pi
+    for (size_t k = 0; k < sum.size(); ++k) map[t][k] = sum[k] * measure;
+  });
+  fillAround(map, side, std::move(known));
+  return map;
+}
+
+Texture ambientMap(std::vector<Transfer> map, int side, int mips, std::vector<uint16_t> owners) {
+  Texture texture = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, 2, mips);
+  for (int mip = 0; mip < mips; ++mip) {
+    for (int t = 0; t < side * side; ++t) {
+      const Transfer& v = map[size_t(t)];
+      storeTexel(texture, mip, t % side, t / side, 0, glm::vec4(glm::dvec4(v[0], v[1], v[2], v[3])));
+      storeTexel(texture, mip, t % side, t / side, 1, glm::vec4(glm::dvec4(v[4], v[5], 0, 0)));
+    }
+    if (mip + 1 == mips) break;
+    const auto coarse_owners = owners.empty() ? owners : halvedOwners(side, owners);
+    const int half = side / 2;
+    std::vector<Transfer> coarse(size_t(half) * size_t(half), Transfer{});
+    for (int j = 0; j < half; ++j)
+      for (int i = 0; i < half; ++i) {
+        const unsigned children = childrenOf(side, owners, coarse_owners, i, j);
+        for (int k = 0; k < 4; ++k) {
+          if ((children >> k & 1) == 0) continue;
+          const Transfer& from = map[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
+          for (size_t c = 0; c < from.size(); ++c)
+            coarse[size_t(j) * size_t(half) + size_t(i)][c] += from[c] / std::popcount(children);
+        }
+      }
+    map = std::move(coarse), owners = coarse_owners, side = half;
+  }
+  return texture;
+}
+
+}  // namespace
+
+Result<BakedSurface> bakedSurface(const BakedOutput& input) {
+  auto maps = input.surface();
+  if (!maps) return maps.issue();
+  return BakedSurface{std::move(*maps), input.manifest().surface_size};
+}
+
+SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, int side,
+                     const NearOptions& options, int threads) {
+  SurfaceMaps maps;
+  maps.lobe = baked.maps.ggx.empty() ? Lobe::kPhong : Lobe::kGgx;
+  maps.visibility = geometry.empty() ? Visibility::kNone : options.visibility;
+  int surface_side = baked.side;
+  std::vector<Texel> texels = texelsOf(baked.maps);
+  std::vector<uint16_t> owners = chartOwners(surface_side, geometry);
+  const auto halve = [&] {
+    auto coarse_owners = owners.empty() ? owners : halvedOwners(surface_side, owners);
+    texels = halved(texels, surface_side, owners, coarse_owners);
+    owners = std::move(coarse_owners), surface_side /= 2;
+  };
+  for (int reduced = 1; reduced < options.reduced && surface_side > 1; reduced *= 2) halve();
+  maps.specular_scale = 0;
+  for (const Texel& texel : texels) maps.specular_scale = std::max(maps.specular_scale, texel.strength);
+  maps.lambda_first = std::log2(float(side) / float(surface_side));
+  const int mips = mipsOf(surface_side, side, options.with_bands);
+  maps.normal =
+      Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, surface_side, surface_side, 1, mips);
+  maps.color =
+      Texture::make(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, surface_side, surface_side, 1, mips);
+  const int ambient_side = std::min(side, surface_side);
+  const std::vector<uint16_t> ambient_owners = chartOwners(ambient_side, geometry);
+  for (int mip = 0; mip < mips; ++mip) {
+    for (int t = 0; t < surface_side * surface_side; ++t) {
+      const Texel& texel = texels[size_t(t)];
+      const StoredLobe lobe = widened(texel, maps.lobe);
+      const float strength = maps.specular_scale > 0 ? lobe.strength / maps.specular_scale : 0;
+      storeTexel(maps.normal, mip, t % surface_side, t / surface_side, 0,
+                 glm::vec4(texel.normal, lobe.width));
+      storeTexel(maps.color, mip, t % surface_side, t / surface_side, 0,
+                 maps.lobe == Lobe::kGgx ? baseOf(texel) : glm::vec4(texel.diffuse, strength));
+    }
+    if (mip + 1 < mips) halve();
+  }
+  maps.ambient_first = std::log2(float(side) / float(ambient_side));
+  maps.ambient = ambientMap(ambientTransfer(geometry, ambient_side, threads), ambient_side,
+                            mipsOf(ambient_side, side, options.with_bands), ambient_owners);
+  if (options.with_bands) maps.fade_begin = kNearFadeBegin, maps.fade_end = kNearFadeEnd;
+  return maps;
+}
+
+uint64_t nearBytes(int surface_side, int side, bool with_bands) {
+  const int ambient_side = std::min(side, surface_side);
+  const auto bytes = [&](int of, int layers) {
+    return textureBytes(TexelFormat::kRGBA8Snorm, uint64_t(of), uint64_t(of), uint64_t(layers),
+                        mipsOf(of, side, with_bands));
+  };
+  return 2 * bytes(surface_side, 1) + bytes(ambient_side, 2);
+}
+
+}  // namespace loden::importer

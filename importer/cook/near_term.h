@@ -1,0 +1,37 @@
+// The maps of the near term (material/model/material.h: SurfaceMaps) from baked surface maps and geometry.
+#pragma once
+
+#include "importer/btf/baked_output.h"
+#include "material/model/material.h"
+
+namespace loden::importer {
+
+// The surface of a baked output: its maps, their side, and the reference texels per side.
+struct BakedSurface {
+  BakedOutput::Surface maps;
+  int side = 0;
+};
+Result<BakedSurface> bakedSurface(const BakedOutput& input);
+
+struct NearOptions {
+  int reduced = 1;          // every side by this, a power of two
+  bool with_bands = false;  // maps end where bands take over, at kNearFadeEnd; else at one texel
+  Visibility visibility = Visibility::kNone;
+};
+
+// w(lambda) of cooked materials with bands. Near maps give the mean of the surface and not the mean of what
+// is seen of it; one evaluation is as good as the coarse band's at about lambda 1.5, and as the errors of
+// both are unlike, a blend over some levels is better than either (tests/studies/RESULTS.md).
+inline constexpr float kNearFadeBegin = 0.5f, kNearFadeEnd = 2.5f;
+
+// `side`: reference texels per side. Mips are averages inside one chart; a lobe is wider where the normals of
+// a texel differ (Toksvig 2004 for Phong; for GGX alpha^2 grows by twice their variance). The ambient map is
+// traced on the geometry image, or without one holds what a plane would. Deterministic at any number of
+// threads.
+SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, int side,
+                     const NearOptions& options, int threads);
+
+// Raw bytes of these maps.
+uint64_t nearBytes(int surface_side, int side, bool with_bands);
+
+}  // namespace loden::importer

@@ -1,0 +1,49 @@
+// The near term of the equation, V(P, wi) A(p; wi, wo): what is known of the surface. Mirrors
+// shaders/loden_near.glsl name for name.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "material/model/environment.h"
+#include "material/model/material.h"
+
+namespace loden {
+
+// The local reflectance at one point, filtered; the same for all lights.
+template <class T>
+struct NearPoint {
+  glm::vec<3, T> mapped{0, 0, 1};  // mean normal, not longer than 1
+  glm::vec<3, T> normal{0, 0, 1};  // the same of unit length
+  glm::vec<3, T> diffuse{0};       // albedo
+  glm::vec<3, T> f0{0};            // GGX: reflectance at normal incidence
+  T strength = 0;                  // Phong: value at the lobe's peak
+  T width = 1;                     // Phong: exponent; GGX: alpha
+};
+
+// The maps read at p at a level of detail; two fetches of the shaders.
+template <class T>
+NearPoint<T> nearPoint(const SurfaceMaps& maps, glm::vec<2, T> p, T lambda);
+
+// A(p; wi, wo) = pi f_r cos, linear RGB, of directions above the reference plane.
+template <class T>
+glm::vec<3, T> evaluateNear(Lobe lobe, const NearPoint<T>& point, const glm::vec<3, T>& wi,
+                            const glm::vec<3, T>& wo);
+
+// A and V integrated with light from all around, over pi: the diffuse part exactly as the ambient map has it,
+// and the light along the mirror direction, blurred as the lobe's width asks, times what the lobe reflects.
+template <class T>
+glm::vec<3, T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point, glm::vec<2, T> p,
+                                       T lambda, const HemisphereLight& light, const glm::vec<3, T>& wo);
+
+// Share of light from direction w that a GGX lobe reflects, for f0 (Lazarov 2013; Karis 2014: the fit to the
+// split sum's table). cosine of w and the normal.
+template <class T>
+glm::vec<3, T> lobeAlbedo(T alpha, const glm::vec<3, T>& f0, T cosine);
+
+// V(P, wi): false where the lookup along wi meets the tile before P. `position` is P in tile periods and tile
+// lengths below the reference surface, p its parameter; wi in the frame where the ray meets the tile.
+template <class T>
+bool lightReaches(const VdimMaps& maps, const LocalSurface<T>& surface, const glm::vec<3, T>& position,
+                  glm::vec<2, T> p, const glm::vec<3, T>& wi, int* fetches = nullptr);
+
+}  // namespace loden

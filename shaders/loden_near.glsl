@@ -1,0 +1,127 @@
+// The near term of the equation, V(P, wi) A(p; wi, wo): what is known of the surface. Mirrors
+// material/eval/near_term.cpp name for name. Fetches: 2 per hit for A, shared by all lights; per light that
+// the surface faces the fast lookup's for V (LODEN_VISIBILITY_LOOKUP); 2 for light from all around.
+
+#ifdef LODEN_NEAR
+
+const float LODEN_DIELECTRIC = 0.04;    // f0 of what is no metal (glTF 2.0, appendix B)
+const float LODEN_LEAST_ALPHA = 0.002;  // of GGX
+const float LODEN_LEAST_VIEW = 0.02;    // N.V that lobes are evaluated for
+const float LODEN_MEAN_COSINE = 2.0 / 3.0;
+const float LODEN_BIAS = 4e-3, LODEN_BENT_BIAS = 6e-3;  // tile lengths
+const float LODEN_SAME_SURFACE = 1.5 / 64.0;            // tile periods
+
+// w(lambda).
+float loden_near_weight(float lambda) {
+#ifdef LODEN_BANDS
+  return clamp((loden_material.near_end - lambda) * loden_material.near_slope, 0.0, 1.0);
+#else
+  return 1.0;
+#endif
+}
+
+vec2 loden_bounded_slope(vec3 w) {
+  float cosine = max(w.z, LODEN_VDIM_COS);
+  float sine = sqrt(w.x * w.x + w.y * w.y);
+  float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
+  return w.xy * (scale / cosine);
+}
+
+float loden_schlick(float cosine) {
+  float x = max(1.0 - cosine, 0.0);
+  return x * x * x * x * x;
+}
+
+// Share of light from direction w that a GGX lobe reflects, for f0 (Lazarov 2013; Karis 2014); cosine of w
+// and the normal.
+vec3 loden_lobe_albedo(float alpha, vec3 f0, float cosine) {
+  float roughness = sqrt(alpha);
+  vec4 r =
+      vec4(1.0 - roughness, 0.0425 - 0.0275 * roughness, 1.04 - 0.572 * roughness, -0.04 + 0.022 * roughness);
+  float a = min(r.x * r.x, exp2(-9.28 * max(cosine, 0.0))) * r.x + r.y;
+  return clamp(f0 * (r.z - 1.04 * a) + (1.04 * a + r.w), 0.0, 1.0);
+}
+
+// Share of the diffuse light that the lobe leaves over (Kelemen and Szirmay-Kalos 2001).
+float loden_ggx_coupling(LodenNear near, float cos_light, float cos_view) {
+  vec3 f0 = vec3(max(max(near.f0.x, near.f0.y), near.f0.z));
+  float light = 1.0 - loden_lobe_albedo(near.width, f0, cos_light).x;
+  float view = 1.0 - loden_lobe_albedo(near.width, f0, cos_view).x;
+  float mean = 1.0 - loden_lobe_albedo(near.width, f0, LODEN_MEAN_COSINE).x;
+  return light * view / max(mean, 1e-3);
+}
+
+LodenNear loden_near_point(vec2 p, float lambda) {
+  LODEN_COUNT(LODEN_UNIT_NORMAL(LODEN_BANDS_OR_NONE), 1);
+  LODEN_COUNT(LODEN_UNIT_COLOR(LODEN_BANDS_OR_NONE), 1);
+  float lod = lambda - loden_material.surface_lambda;
+  vec4 normal = textureLod(loden_normal, vec3(p, 0.0), lod);
+  vec4 color = textureLod(loden_color, vec3(p, 0.0), lod);
+  LodenNear near;
+  near.mapped = normal.xyz;
+  near.normal = near.mapped / max(sqrt(dot(near.mapped, near.mapped)), 1e-4);
+  float width = max(normal.w, 0.0);
+  bool ggx = (loden_material.bits & LODEN_GGX) != 0;
+  near.diffuse = ggx ? color.rgb * (1.0 - color.a) : color.rgb;
+  near.f0 = mix(vec3(LODEN_DIELECTRIC), color.rgb, color.a);
+  near.strength = color.a * loden_material.specular_scale;
+  near.width = ggx ? max(width * width, LODEN_LEAST_ALPHA) : exp2(12.0 * width);
+  return near;
+}
+
+// A(p; wi, wo).
+vec3 loden_evaluate_near(LodenNear near, vec3 wi, vec3 wo) {
+  float diffuse = max(dot(near.mapped, wi), 0.0);
+  vec3 sum = wi + wo;
+  vec3 half_ = sum / max(sqrt(dot(sum, sum)), 1e-6);
+  float nl = max(dot(near.normal, wi), 0.0);
+  float nh = clamp(dot(near.normal, half_), 0.0, 1.0);
+  if ((loden_material.bits & LODEN_GGX) == 0)
+    return near.diffuse * diffuse + near.strength * pow(max(nh, 1e-6), near.width) * nl;
+  float nv = max(dot(near.normal, wo), LODEN_LEAST_VIEW);
+  float a2 = near.width * near.width;
+  float d = nh * nh * (a2 - 1.0) + 1.0;
+  float masking = nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2);
+  float shine = a2 / (d * d) * 0.5 / max(masking, 1e-6) * nl;
+  vec3 fresnel = near.f0 + (1.0 - near.f0) * loden_schlick(dot(wi, half_));
+  return near.diffuse * (diffuse * loden_ggx_coupling(near, nl, nv)) + fresnel * shine;
+}
+
+#ifdef LODEN_VISIBILITY_LOOKUP
+// V(P, wi): false where the lookup along wi meets the tile before P.
+bool loden_light_reaches(LodenHit hit, vec3 wi) {
+  vec2 slope = loden_bounded_slope(wi);
+  vec2 turn = hit.curvature * slope;
+  float bend = dot(slope, turn);
+  // How far the ray rises until it leaves through the reference surface.
+  float rise = -2.0 * hit.position.z / (1.0 + sqrt(max(1.0 - 2.0 * bend * hit.position.z, 0.0)));
+  vec2 exit_ = hit.position.xy + hit.x_from_tangent * slope * rise;
+  vec2 tilt = turn * rise;
+  vec3 leaving = vec3(wi.xy - tilt * wi.z, wi.z + dot(tilt, wi.xy));
+  leaving /= sqrt(dot(leaving, leaving));
+  if (leaving.z <= 0.0) return true;  // along a convex surface, past it
+  LodenMaterial m = loden_material_default();
+  m.curvature = hit.curvature;
+  m.x_from_tangent = hit.x_from_tangent;
+  LodenVdimHit first = loden_atlas_lookup(m, exit_, leaving, LODEN_FAST_LAYERS, LODEN_FAST_CANDIDATES);
+  // P as a height of that ray.
+  vec2 out_ = loden_bounded_slope(leaving);
+  float out_bend = dot(out_, hit.curvature * out_);
+  float height = 2.0 * hit.position.z / (1.0 + sqrt(max(1.0 + 2.0 * out_bend * hit.position.z, 0.0)));
+  float bias = hit.curvature != mat2(0.0) ? LODEN_BENT_BIAS : LODEN_BIAS;
+  vec2 beside = first.p - hit.p;
+  beside -= floor(beside + 0.5);
+  return first.missed || first.height <= height + bias ||
+         dot(beside, beside) < LODEN_SAME_SURFACE * LODEN_SAME_SURFACE;
+}
+#endif
+
+// V(P, wi) A(p; wi, wo).
+vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
+  if (dot(hit.near.mapped, wi) <= 0.0) return vec3(0.0);
+#ifdef LODEN_VISIBILITY_LOOKUP
+  if (hit.relief && !hit.missed && !loden_light_reaches(hit, wi)) return vec3(0.0);
+#endif
+  return loden_evaluate_near(hit.near, wi, wo);
+}
+#endif  // LODEN_NEAR

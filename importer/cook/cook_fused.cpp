@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "importer/base/progress.h"
+#include "importer/cook/fade_choice.h"
 #include "importer/cook/fused_plan.h"
 #include "importer/cook/goal.h"
 #include "importer/cook/meta.h"
@@ -190,6 +191,7 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
   if (near.with_bands) {
     m.bands.push_back(fitCoarseBand(in, plan));
     m.bands.back().window = {};
+    fit.fades = chooseFade(m, in.btf, in.source.lights(), in.source.views(), in.threads);
   }
   const auto measure = [&](int points) {
     const Evaluator evaluator(m, onThreads(in.threads));

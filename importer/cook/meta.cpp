@@ -1,6 +1,7 @@
 #include "importer/cook/meta.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -126,6 +127,12 @@ std::string cookMeta(const Material& material, const std::string& input, const s
                     {"visibility", visibilityName(maps.visibility)},
                     {"side", maps.color.width},
                     {"bytes", surfaceBytes(material)}};
+    if (fit && !fit->fades.empty()) meta["near"]["fade"] = {maps.fade_begin, maps.fade_end};
+    if (fit)
+      for (const FadeTrial& trial : fit->fades)
+        meta["near"]["levels"].push_back({{"level", trial.level},
+                                          {"near_rmse_y", std::sqrt(trial.near_mse)},
+                                          {"band_rmse_y", std::sqrt(trial.band_mse)}});
   }
   if (!material.geometry.empty() && material.mode != Mode::kLod)
     meta["lookup"] = lookupMeta(material, atlases);

@@ -225,7 +225,7 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
   for (int reduced = 1; reduced < options.reduced && surface_side > 1; reduced *= 2) halve();
   maps.specular_scale = 0;
   for (const Texel& texel : texels) maps.specular_scale = std::max(maps.specular_scale, texel.strength);
-  maps.lambda_first = std::log2(float(side) / float(surface_side));
+  maps.lambda_first = std::log2(float(side) / float(surface_side)) + kNearFiner;
   const int mips = mipsOf(surface_side, side, options.with_bands);
   maps.normal =
       Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, surface_side, surface_side, 1, mips);

@@ -19,10 +19,13 @@ struct NearOptions {
   Visibility visibility = Visibility::kNone;
 };
 
-// w(lambda) of cooked materials with bands. Near maps give the mean of the surface and not the mean of what
-// is seen of it; one evaluation is as good as the coarse band's at about lambda 1.5, and as the errors of
-// both are unlike, a blend over some levels is better than either (tests/studies/RESULTS.md).
-inline constexpr float kNearFadeBegin = 0.5f, kNearFadeEnd = 2.5f;
+// Near maps are read one level finer than what is shown: a mean over a texel's surface is not the mean of
+// what a view sees of it, and one level finer it is a third to a half as far off at lambda 1.5 (all four
+// tiles, tests/studies/RESULTS.md). Two levels finer gains no more.
+inline constexpr float kNearFiner = 1;
+
+// At the latest, bands have taken over here (fade_choice.h).
+inline constexpr float kNearFadeBegin = 0.5f, kNearFadeEnd = 3;
 
 // `side`: reference texels per side. Mips are averages inside one chart; a lobe is wider where the normals of
 // a texel differ (Toksvig 2004 for Phong; for GGX alpha^2 grows by twice their variance). The ambient map is

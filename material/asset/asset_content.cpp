@@ -107,7 +107,13 @@ void forgetAbsent(const Contents& contents, Material& material) {
   material.bands.erase(material.bands.begin(), material.bands.begin() + finest);
   if (absent({kGeom})) material.geometry = {};
   if (absent({kVdim})) material.stored_vdim.reset();
-  if (absent(firstPart(whole, kSurf))) material.surface.reset();
+  if (material.surface && absent(firstPart(whole, kSurf))) {
+    if (!whole.bands.empty()) {
+      const float coarser = std::min(material.surface->fade_end, material.lambda_max);
+      material.lambda_min = std::max(material.lambda_min, coarser);
+    }
+    material.surface.reset();
+  }
 }
 
 }  // namespace

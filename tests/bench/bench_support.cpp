@@ -110,10 +110,10 @@ Material surfaceMaterial(uint32_t seed) {
   const int mips = fullMipCount(2 * kSide, 2 * kSide);
   SurfaceMaps maps;
   maps.normal = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed);
-  maps.diffuse =
-      noise(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
-  maps.specular =
-      noise(TexelFormat::kRG8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 2);
+  maps.color =
+      noise(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
+  maps.ambient =
+      noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 2, mips, seed + 2);
   material.surface = std::move(maps);
   return material;
 }

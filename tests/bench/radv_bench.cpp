@@ -202,18 +202,24 @@ void report(const Gpu& gpu, const std::string& name, const char* text,
 }  // namespace
 
 int main() {
-  using Kind = MaterialVariant::Kind;
   const Gpu gpu = openGpu();
   std::printf("# bench_radv: %s, one point and one light per invocation\n", gpu.name.c_str());
   std::printf("%-24s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency",
               "inv.thr.");
   report(gpu, "diffuse + normal map", kNormalMap, {});
-  const MaterialVariant variants[] = {
-      {Kind::kSurface, 0, Lookup::kNone, false},       {Kind::kSurface, 0, Lookup::kPaper, false},
-      {Kind::kSurface, 0, Lookup::kFast, false},       {Kind::kSurface, 0, Lookup::kDefault, false},
-      {Kind::kBands, 5, Lookup::kNone, true},          {Kind::kBands, 2, Lookup::kNone, false},
-      {Kind::kBands, 2, Lookup::kFast, false},         {Kind::kBands, 2, Lookup::kDefault, false},
-      {Kind::kBands, 2, Lookup::kDefault, false, true}};
+  const MaterialVariant variants[] = {{true, 0, Lookup::kNone},
+                                      {true, 0, Lookup::kPaper},
+                                      {true, 0, Lookup::kFast},
+                                      {true, 0, Lookup::kDefault},
+                                      {true, 0, Lookup::kFast, Visibility::kLookup},
+                                      {true, 0, Lookup::kDefault, Visibility::kLookup},
+                                      {true, 1, Lookup::kFast, Visibility::kLookup},
+                                      {true, 1, Lookup::kDefault, Visibility::kLookup},
+                                      {false, 5, Lookup::kNone, Visibility::kNone, true},
+                                      {false, 2, Lookup::kNone},
+                                      {false, 2, Lookup::kFast},
+                                      {false, 2, Lookup::kDefault},
+                                      {false, 2, Lookup::kDefault, Visibility::kNone, false, true}};
   for (const MaterialVariant& variant : variants) {
     std::vector<std::string> defines = variantDefines(variant);
     report(gpu, variantName(variant), kEvaluate, defines);

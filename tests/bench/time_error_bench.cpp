@@ -136,9 +136,10 @@ class FetchBytes {
       if (nearest) bytes_[LODEN_UNIT_NEAREST_LIGHT] = bytes_[LODEN_UNIT_NEAREST_VIEW] = 1;  // R8
     }
     if (m.surface) {
-      set(LODEN_UNIT_NORMAL, m.surface->normal, 8);
-      set(LODEN_UNIT_DIFFUSE, m.surface->diffuse, 8);
-      set(LODEN_UNIT_SPECULAR, m.surface->specular, 8);
+      const int bands = int(m.bands.size());
+      set(LODEN_UNIT_NORMAL(bands), m.surface->normal, 8);
+      set(LODEN_UNIT_COLOR(bands), m.surface->color, 8);
+      set(LODEN_UNIT_AMBIENT(bands), m.surface->ambient, 8);
     }
     if (m.stored_vdim) {
       set(LODEN_UNIT_PAPER_REFERENCE, m.stored_vdim->reference, 1);

@@ -60,9 +60,8 @@ Material plainSurface() {
       for (int y = 0; y < map.mipHeight(mip); ++y)
         for (int x = 0; x < map.mipWidth(mip); ++x) storeTexel(map, mip, x, y, 0, value);
   };
-  fill(material.surface->normal, {0, 0, 0.6f, 0});
-  fill(material.surface->diffuse, {0.9f, 0.8f, 0.2f, 1});
-  fill(material.surface->specular, {0.5f, 0.4f, 0, 0});
+  fill(material.surface->normal, {0, 0, 0.6f, 0.4f});
+  fill(material.surface->color, {0.9f, 0.8f, 0.2f, 0.5f});
   return material;
 }
 

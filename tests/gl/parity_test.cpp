@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <random>
 
 #include "importer/bake/bake.h"
@@ -154,7 +155,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   EXPECT_TRUE(id.ok()) << (id.ok() ? "" : id.issue().text);
   (*system)->demand(*id, 0);
   (*system)->finishLoading();
-  EXPECT_EQ((*system)->residentLambda(*id), material.lambda_min);
+  EXPECT_EQ((*system)->residentLambda(*id), finestLevel(material));
 
   std::vector<std::string> defines = variantDefines((*system)->variant(*id));
   defines.push_back(std::string("SKIP_PARALLAX ") + (way.parallax == Parallax::kFaded ? "true" : "false"));
@@ -258,66 +259,69 @@ Bake bakeSmall(const std::string& name) {
   return {std::move(*baked), folder};
 }
 
-Material cooked(const importer::BakedOutput& baked, Mode mode, importer::Preset preset,
-                importer::Shadows shadows) {
+// What a material is cooked as.
+struct Kind {
+  Mode mode = Mode::kFused;
+  importer::Preset preset = importer::Preset::kGame;
+  importer::Near near = importer::Near::kSurface;
+  importer::Shadows shadows = importer::Shadows::kJoint;
+  auto operator<=>(const Kind&) const = default;
+};
+
+Material cooked(const importer::BakedOutput& baked, const Kind& kind) {
   importer::CookOptions options;
-  options.shadows = shadows;
-  options.mode = mode;
-  options.preset = preset;
+  options.mode = kind.mode;
+  options.preset = kind.preset;
+  options.near = kind.near;
+  options.shadows = kind.shadows;
   options.quiet = true;
   auto material = importer::cook(baked, options);
   EXPECT_TRUE(material.ok()) << (material.ok() ? "" : material.issue().text);
   return std::move(*material);
 }
 
-// One tile, baked once for all modes.
+// One tile, baked once for all modes, and cooked once as each kind.
 class Parity : public testing::TestWithParam<std::string> {};
 
 TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
-  using importer::Preset;
+  using enum importer::Preset;
+  using enum importer::Shadows;
   const Bake baked = bakeSmall(GetParam());
+  const auto surface = importer::Near::kSurface, band = importer::Near::kBand;
+  const Kind fused{}, flat{Mode::kFused, kGame, band}, split{Mode::kFused, kGame, band, kSplit};
+  const Kind near{Mode::kSurface, kGame}, published{Mode::kSurface, kSeed, surface};
+  const Kind lod{Mode::kLod, kGame}, lod_published{Mode::kLod, kSeed};
+  const Way full{}, faded{Lookup::kDefault, Parallax::kFaded}, fast{Lookup::kFast}, none{Lookup::kNone};
+  const Way curved{Lookup::kDefault, Parallax::kFull, false, true};
+  const Way lit{Lookup::kDefault, Parallax::kFull, true},
+      lit_curved{Lookup::kDefault, Parallax::kFull, true, true};
   struct Case {
     const char* name;
-    Mode mode;
-    Preset preset;
+    Kind kind;
     Way way;
+    Visibility visibility = Visibility::kLookup;  // of the near term, if there is one
     bool cosine_included = true;
-    importer::Shadows shadows = importer::Shadows::kJoint;
   };
-  using importer::Shadows;
+  std::map<Kind, Material> materials;
   for (const Case& c :
-       {Case{"surface", Mode::kSurface, Preset::kGame, {}},
-        Case{"surface as published", Mode::kSurface, Preset::kSeed, {Lookup::kPaper}},
-        Case{"surface, fast lookup", Mode::kSurface, Preset::kGame, {Lookup::kFast}},
-        Case{"surface, faded", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}},
-        Case{"surface, curved",
-             Mode::kSurface,
-             Preset::kGame,
-             {Lookup::kDefault, Parallax::kFull, false, true}},
-        Case{"lod as published", Mode::kLod, Preset::kSeed, {Lookup::kNone}},
-        Case{"lod with 8-bit maps", Mode::kLod, Preset::kGame, {Lookup::kNone}},
-        Case{"lod without the cosine", Mode::kLod, Preset::kGame, {Lookup::kNone}, false},
-        Case{"fused with 8-bit maps", Mode::kFused, Preset::kGame, {}},
-        Case{"fused, curved", Mode::kFused, Preset::kGame, {Lookup::kFast, Parallax::kFaded, false, true}},
-        Case{
-            "surface, environment", Mode::kSurface, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
-        Case{"fused, curved, environment",
-             Mode::kFused,
-             Preset::kGame,
-             {Lookup::kDefault, Parallax::kFull, true, true}},
-        Case{"lod, environment", Mode::kLod, Preset::kSeed, {Lookup::kNone, Parallax::kFull, true}},
-        Case{"fused, environment", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFull, true}},
-        Case{"fused, shadows apart", Mode::kFused, Preset::kGame, {}, true, Shadows::kSplit},
-        Case{"fused, shadows apart, environment",
-             Mode::kFused,
-             Preset::kGame,
-             {Lookup::kFast, Parallax::kFull, true},
-             true,
-             Shadows::kSplit},
-        Case{"fused, faded", Mode::kFused, Preset::kGame, {Lookup::kDefault, Parallax::kFaded}}}) {
+       {Case{"near and coarse", fused, full}, Case{"near and coarse, fast", fused, fast},
+        Case{"near and coarse, faded", fused, faded}, Case{"near and coarse, curved", fused, curved},
+        Case{"near and coarse, environment", fused, lit},
+        Case{"near and coarse, curved, environment", fused, lit_curved},
+        Case{"near and coarse, no shadows", fused, full, Visibility::kNone},
+        Case{"surface", near, full, Visibility::kNone}, Case{"surface, shadows", near, full},
+        Case{"surface as published", published, {Lookup::kPaper}, Visibility::kNone},
+        Case{"surface, environment", near, lit}, Case{"lod as published", lod_published, none},
+        Case{"lod with 8-bit maps", lod, none}, Case{"lod without the cosine", lod, none, {}, false},
+        Case{"lod, environment", lod_published, {Lookup::kNone, Parallax::kFull, true}},
+        Case{"flat band", flat, full}, Case{"flat band, environment", flat, lit},
+        Case{"flat band, shadows apart", split, full},
+        Case{"flat band, shadows apart, environment", split, {Lookup::kFast, Parallax::kFull, true}}}) {
     SCOPED_TRACE(c.name);
-    Material material = cooked(baked.output, c.mode, c.preset, c.shadows);
+    if (!materials.contains(c.kind)) materials[c.kind] = cooked(baked.output, c.kind);
+    Material material = materials[c.kind];
     material.cosine_included = c.cosine_included;
+    if (material.surface) material.surface->visibility = c.visibility;
     expectParity(material, c.way);
   }
   std::filesystem::remove_all(baked.folder);

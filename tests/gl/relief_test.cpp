@@ -40,8 +40,7 @@ Material ridges() {
         for (int x = 0; x < texture.mipWidth(mip); ++x) storeTexel(texture, mip, x, y, 0, value);
   };
   fill(material.surface->normal, {0, 0, 1, 0});
-  fill(material.surface->diffuse, {1, 1, 1, 1});
-  fill(material.surface->specular, {0, 0, 0, 0});
+  fill(material.surface->color, {1, 1, 1, 0});
   return material;
 }
 

@@ -77,7 +77,7 @@ TEST_F(ShaderLibraryTest, CompilesEveryVariant) {
 TEST_F(ShaderLibraryTest, CompilesWhatIsAskedForOnce) {
   ShaderLibrary library(*device, {});
   EXPECT_EQ(library.stats().compiled, 0);
-  const MaterialVariant variant{MaterialVariant::Kind::kSurface, 0, Lookup::kDefault};
+  const MaterialVariant variant{true, 0, Lookup::kDefault};
   const uint32_t first = *library.program("scene_forward", variant);
   EXPECT_EQ(*library.program("scene_forward", variant), first);
   EXPECT_EQ(library.stats().compiled, 1);
@@ -85,7 +85,7 @@ TEST_F(ShaderLibraryTest, CompilesWhatIsAskedForOnce) {
 
 TEST_F(ShaderLibraryTest, RefusesWhatNoRowAllows) {
   ShaderLibrary library(*device, {});
-  const MaterialVariant too_many{MaterialVariant::Kind::kBands, LODEN_MAX_BANDS + 1, Lookup::kNone};
+  const MaterialVariant too_many{false, LODEN_MAX_BANDS + 1, Lookup::kNone};
   for (const Result<uint32_t>& program :
        {library.program("no_such_row", {}), library.program("scene_forward", too_many)}) {
     ASSERT_FALSE(program.ok());
@@ -139,7 +139,7 @@ struct Member {
 
 TEST_F(SharedLayout, IsWhatTheDriverSays) {
   ShaderLibrary library(*device, {});
-  const MaterialVariant variant{MaterialVariant::Kind::kBands, 2, Lookup::kDefault};
+  const MaterialVariant variant{true, 2, Lookup::kDefault};
   const Result<uint32_t> program = library.program("scene_forward", variant);
   ASSERT_TRUE(program.ok()) << program.issue().text;
   const size_t band1 = offsetof(LodenMaterialData, bands) + sizeof(LodenBandData);
@@ -166,6 +166,9 @@ TEST_F(SharedLayout, IsWhatTheDriverSays) {
       LODEN_MEMBER(resident_lambda),
       LODEN_MEMBER(specular_scale),
       LODEN_MEMBER(surface_lambda),
+      LODEN_MEMBER(ambient_lambda),
+      LODEN_MEMBER(near_end),
+      LODEN_MEMBER(near_slope),
       {"environment_mean[0]", offsetof(LodenMaterialData, environment_mean)},
       {"bands[0].window", offsetof(LodenMaterialData, bands)},
       LODEN_BAND_MEMBER(window, ""),

@@ -46,7 +46,7 @@ std::vector<Cooked> cookAll(const SyntheticSource& source) {
                      return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1),
                                                 true);
                    },
-                   options));
+                   BakedSurface{}, options));
   return all;
 }
 

@@ -407,8 +407,15 @@ TEST(AssetIssues, MapField) {
                          [](Material& m) { m.stored_vdim->range.y = kInfinity; },
                          [](Material& m) { m.surface->specular_scale = kNan; },
                          [](Material& m) { m.surface->normal.mips = 9; },
-                         [](Material& m) { m.surface->diffuse.mips = 3; },
-                         [](Material& m) { m.surface->lambda_first = -1; },
+                         [](Material& m) { m.surface->color.mips = 3; },
+                         [](Material& m) { m.surface->ambient.mips = 2; },
+                         [](Material& m) { m.surface->lambda_first = -9; },
+                         [](Material& m) { m.surface->ambient_first = kInfinity; },
+                         [](Material& m) { m.surface->fade_end = m.surface->fade_begin; },
+                         [](Material& m) { m.surface->fade_begin = -kInfinity; },
+                         [](Material& m) { m.surface->specular_scale = 1e30f; },
+                         [](Material& m) { m.surface->lobe = static_cast<Lobe>(2); },
+                         [](Material& m) { m.surface->visibility = static_cast<Visibility>(2); },
                          [](Material& m) { m.surface->tail_mip = 4; },
                          [](Material& m) { m.surface->tail_mip = -1; },
                      });
@@ -446,7 +453,7 @@ TEST(AssetIssues, MapSize) {
   expectEachRejected(test::surfaceMaterial, issue_id::kMapSize,
                      {
                          [](Material& m) { m.geometry.texels.data.pop_back(); },
-                         [](Material& m) { m.surface->specular.data.resize(10); },
+                         [](Material& m) { m.surface->color.data.resize(10); },
                      });
   expectEachRejected(test::fusedMaterial, issue_id::kMapSize,
                      {[](Material& m) { m.bands[0].table.data.push_back(std::byte{0}); }});

@@ -18,7 +18,8 @@ using test::expectSame;
 using Bytes = std::vector<std::byte>;
 
 const auto kMakers = {test::surfaceMaterial,     test::lodMaterial,          test::fusedMaterial,
-                      test::lightFactorMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial};
+                      test::lightFactorMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial,
+                      test::nearMaterial};
 
 Bytes serialized(const Material& material) {
   Result<Bytes> bytes = serializeAsset(material);
@@ -143,7 +144,7 @@ TEST(Asset, PrefixWithALeadingPartAloneIsThatPart) {
   EXPECT_EQ(coarse.lambda_min, prefixOf(fused, 2).lambda_min) << "fewer quads are no coarser level";
 
   const Material tail = prefixOf(surface, 3);
-  EXPECT_EQ(tail.surface->diffuse.width, 2);
+  EXPECT_EQ(tail.surface->color.width, 2);
   EXPECT_EQ(tail.surface->lambda_first, 2);
   const glm::vec3 wi(0.1f, 0.2f, 0.97f), wo(0, 0, 1);
   const Evaluator a(tail), b(surface);
@@ -152,8 +153,8 @@ TEST(Asset, PrefixWithALeadingPartAloneIsThatPart) {
   };
   EXPECT_EQ(value(a, 0.0f), value(b, 2.0f)) << "nothing finer";
   EXPECT_EQ(value(a, 2.5f), value(b, 2.5f));
-  EXPECT_TRUE(std::equal(tail.surface->diffuse.data.rbegin(), tail.surface->diffuse.data.rend(),
-                         surface.surface->diffuse.data.rbegin()));
+  EXPECT_TRUE(std::equal(tail.surface->color.data.rbegin(), tail.surface->color.data.rend(),
+                         surface.surface->color.data.rbegin()));
 }
 
 TEST(Asset, SplitsWhatIsLargerThanALeadingPart) {
@@ -181,8 +182,8 @@ TEST(Asset, SplitsWhatIsLargerThanALeadingPart) {
   EXPECT_EQ(band.lead_quads, 0) << "not even one quad fits";
 
   Material surface = test::surfaceMaterial();
-  for (Texture* map : {&surface.surface->normal, &surface.surface->diffuse, &surface.surface->specular})
-    *map = Texture::make(map->format, map->shape, 64, 64, 1, 7);
+  for (Texture* map : {&surface.surface->normal, &surface.surface->color, &surface.surface->ambient})
+    *map = Texture::make(map->format, map->shape, 64, 64, map->depth, 7);
   splitLeadingParts(surface);
   EXPECT_EQ(surface.surface->tail_mip, 1);
   EXPECT_LE(gpuBytes(tailOf(*surface.surface)), kLeadingPartBytes);

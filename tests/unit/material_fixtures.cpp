@@ -119,12 +119,17 @@ void expectSameMaps(const Material& a, const Material& b) {
   }
   ASSERT_EQ(a.surface.has_value(), b.surface.has_value());
   if (!a.surface) return;
+  EXPECT_EQ(a.surface->lobe, b.surface->lobe);
+  EXPECT_EQ(a.surface->visibility, b.surface->visibility);
   EXPECT_EQ(a.surface->specular_scale, b.surface->specular_scale);
+  EXPECT_EQ(a.surface->ambient_first, b.surface->ambient_first);
+  EXPECT_EQ(a.surface->fade_begin, b.surface->fade_begin);
+  EXPECT_EQ(a.surface->fade_end, b.surface->fade_end);
   EXPECT_EQ(a.surface->lambda_first, b.surface->lambda_first);
   EXPECT_EQ(a.surface->tail_mip, b.surface->tail_mip);
   expectSame(a.surface->normal, b.surface->normal);
-  expectSame(a.surface->diffuse, b.surface->diffuse);
-  expectSame(a.surface->specular, b.surface->specular);
+  expectSame(a.surface->color, b.surface->color);
+  expectSame(a.surface->ambient, b.surface->ambient);
 }
 
 Material plainMaterial(Mode mode, const char* name) {
@@ -175,8 +180,8 @@ Material surfaceMaterial() {
   material.stored_vdim = vdim;
   SurfaceMaps maps;
   maps.normal = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 62);
-  maps.diffuse = noiseTexture(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 63);
-  maps.specular = noiseTexture(TexelFormat::kRG8Unorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 64);
+  maps.color = noiseTexture(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, kSide, kSide, 1, 4, 63);
+  maps.ambient = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 2, 4, 64);
   maps.specular_scale = 2;
   material.surface = maps;
   return material;
@@ -204,6 +209,23 @@ Material lightFactorMaterial() {
   Material material = fusedMaterial();
   material.name = "light factor";
   material.bands[0] = gridBand(Domain::kFlat, 1, {3, 5, material.theta_max}, 30, 2);
+  return material;
+}
+
+Material nearMaterial() {
+  Material material = fusedMaterial();
+  material.name = "near";
+  material.bands.erase(material.bands.begin());
+  material.bands[0].window = {};
+  SurfaceMaps maps = *surfaceMaterial().surface;
+  maps.lobe = Lobe::kGgx;
+  maps.visibility = Visibility::kLookup;
+  maps.lambda_first = -1;
+  maps.fade_begin = 0.5f, maps.fade_end = 2.5f;
+  maps.normal =
+      noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 65);
+  maps.color = noiseTexture(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 66);
+  material.surface = maps;
   return material;
 }
 

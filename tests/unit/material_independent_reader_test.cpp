@@ -4,7 +4,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -116,7 +118,10 @@ class Listing {
       line("vdim", vdim.side, vdim.zeniths, vdim.azimuths, bits({vdim.range.x, vdim.range.y}));
     }
     if (m.surface)
-      line("surface", bits({m.surface->specular_scale, m.surface->lambda_first}), m.surface->tail_mip);
+      line("surface", number(m.surface->lobe), number(m.surface->visibility),
+           bits({m.surface->specular_scale, m.surface->lambda_first, m.surface->ambient_first,
+                 m.surface->fade_begin, m.surface->fade_end}),
+           m.surface->tail_mip);
   }
 
   void listTexels(const char* chunk, const Texture& t) {
@@ -129,7 +134,7 @@ class Listing {
     if (band.light_quads > 0) listTexels("BAND", band.light_table);
   }
   void listMaps(const SurfaceMaps& maps) {
-    for (const Texture* map : {&maps.normal, &maps.diffuse, &maps.specular}) listTexels("SURF", *map);
+    for (const Texture* map : {&maps.normal, &maps.color, &maps.ambient}) listTexels("SURF", *map);
   }
 
   // Texels [begin, end) of one mip of a texture, layer by layer, appended to a share's bytes.
@@ -161,10 +166,14 @@ class Listing {
   }
   void listSplit(const SurfaceMaps& maps) {
     for (const bool tail : {true, false})
-      for (const Texture* map : {&maps.normal, &maps.diffuse, &maps.specular}) {
+      for (const Texture* map : {&maps.normal, &maps.color, &maps.ambient}) {
         std::vector<std::byte> share;
-        for (int mip = tail ? maps.tail_mip : 0; mip < (tail ? map->mips : maps.tail_mip); ++mip)
-          appendLayers(*map, mip, 0, 1, share);
+        const float level = maps.lambda_first + float(maps.tail_mip) - maps.ambient_first;
+        const int first = map == &maps.ambient
+                              ? std::clamp(int(std::floor(level + 0.5f)), 0, maps.ambient.mips - 1)
+                              : maps.tail_mip;
+        for (int mip = tail ? first : 0; mip < (tail ? map->mips : first); ++mip)
+          appendLayers(*map, mip, 0, map->depth, share);
         listShare("SURF", "map", share);
       }
   }
@@ -190,8 +199,9 @@ TEST(IndependentReader, FindsWhatTheWriterWasGiven) {
   const std::string script = std::string(LODEN_TESTS_DIR) + "/unit/independent_reader/read_asset.py";
   const auto path =
       std::filesystem::temp_directory_path() / ("loden-reader-" + std::to_string(getpid()) + ".loden");
-  for (const auto make : {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial,
-                          test::lightFactorMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial}) {
+  for (const auto make :
+       {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::lightFactorMaterial,
+        test::nearMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial}) {
     const Material material = make();
     SCOPED_TRACE(material.name);
     ASSERT_TRUE(writeAsset(material, path).ok());

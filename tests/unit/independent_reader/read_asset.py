@@ -3,6 +3,7 @@
 
 Needs the zstd command. Floats are printed as their bits, textures as the XXH3-64 of their bytes."""
 
+import math
 import struct
 import subprocess
 import sys
@@ -91,14 +92,17 @@ def read_band(head, place):
 
 
 def read_surface(head):
-    print("surface", head.bits(2), end=" ")
+    print("surface", *head.u32(2), end=" ")
+    first, ambient_first = struct.unpack_from("<2f", head.data, head.at + 4)
+    print(head.bits(5), end=" ")
     tail = head.u32()
     print(tail)
-    maps = [(kind, *head.u32(3)) for kind in (38, 91, 16)]
+    maps = [(kind, *head.u32(2), layers, head.u32()) for kind, layers in ((38, 1), (43, 1), (38, 2))]
     if tail == 0:
-        return [("SURF", [texture(kind, w, h, 1, mips) for kind, w, h, mips in maps])]
-    whole = [texture(kind, w, h, 1, mips)[2] for kind, w, h, mips in maps]
-    fine = [texture(kind, w, h, 1, tail)[2] for kind, w, h, mips in maps]
+        return [("SURF", [texture(*extents) for extents in maps])]
+    ambient_tail = min(max(math.floor(first + tail - ambient_first + 0.5), 0), maps[2][4] - 1)
+    whole = [texture(*extents)[2] for extents in maps]
+    fine = [texture(*extents[:4], mip)[2] for extents, mip in zip(maps, (tail, tail, ambient_tail))]
     return [("SURF", [("map", (), w - f) for w, f in zip(whole, fine)]),
             ("SURF", [("map", (), f) for f in fine])]
 

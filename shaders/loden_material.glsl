@@ -3,7 +3,7 @@
 // holds is said in loden_shared.h; runtime/stream/material_data.cpp fills it. Defines of a variant
 // (runtime/stream/shader_variants.h lists those in use):
 //   LODEN_NEAR, LODEN_BANDS n (1..LODEN_MAX_BANDS), or both    what the material is
-//   LODEN_VISIBILITY_LOOKUP                                    the near term has cast shadows
+//   LODEN_VISIBILITY_FAST, _DEFAULT or none of them            cast shadows of the near term, by that lookup
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LIGHT_FACTOR                                         a band has a light factor
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x

@@ -1,6 +1,7 @@
 // The near term of the equation, V(P, wi) A(p; wi, wo): what is known of the surface. Mirrors
 // material/eval/near_term.cpp name for name. Fetches: 2 per hit for A, shared by all lights; per light that
-// the surface faces the fast lookup's for V (LODEN_VISIBILITY_LOOKUP); 2 for light from all around.
+// the surface faces those of the lookup for V (LODEN_VISIBILITY_FAST or _DEFAULT); 2 for light from all
+// around.
 
 #ifdef LODEN_NEAR
 
@@ -87,7 +88,8 @@ vec3 loden_evaluate_near(LodenNear near, vec3 wi, vec3 wo) {
   return near.diffuse * (diffuse * loden_ggx_coupling(near, nl, nv)) + fresnel * shine;
 }
 
-#ifdef LODEN_VISIBILITY_LOOKUP
+#if defined(LODEN_VISIBILITY_FAST) || defined(LODEN_VISIBILITY_DEFAULT)
+#define LODEN_VISIBILITY
 // V(P, wi): false where the lookup along wi meets the tile before P.
 bool loden_light_reaches(LodenHit hit, vec3 wi) {
   vec2 slope = loden_bounded_slope(wi);
@@ -103,7 +105,11 @@ bool loden_light_reaches(LodenHit hit, vec3 wi) {
   LodenMaterial m = loden_material_default();
   m.curvature = hit.curvature;
   m.x_from_tangent = hit.x_from_tangent;
+#ifdef LODEN_VISIBILITY_FAST
   LodenVdimHit first = loden_atlas_lookup(m, exit_, leaving, LODEN_FAST_LAYERS, LODEN_FAST_CANDIDATES);
+#else
+  LodenVdimHit first = loden_vdim_lookup(m, exit_, leaving);
+#endif
   // P as a height of that ray.
   vec2 out_ = loden_bounded_slope(leaving);
   float out_bend = dot(out_, hit.curvature * out_);
@@ -119,7 +125,7 @@ bool loden_light_reaches(LodenHit hit, vec3 wi) {
 // V(P, wi) A(p; wi, wo).
 vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
   if (dot(hit.near.mapped, wi) <= 0.0) return vec3(0.0);
-#ifdef LODEN_VISIBILITY_LOOKUP
+#ifdef LODEN_VISIBILITY
   if (hit.relief && !hit.missed && !loden_light_reaches(hit, wi)) return vec3(0.0);
 #endif
   return loden_evaluate_near(hit.near, wi, wo);

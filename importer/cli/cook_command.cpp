@@ -50,7 +50,7 @@ class CookCommand : public Command {
     options.choice("--near", near_, {"surface", "band"},
                    "fused, up close: the surface's own reflectance and shadows, or a band fitted to the BTF");
     options.choice(
-        "--visibility", visibility_, {"auto", "none", "lookup"},
+        "--visibility", visibility_, {"auto", "none", "fast", "default"},
         "Cast shadows of the surface: none, by the lookup towards the light, or what measures best");
     options.choice(
         "--shadows", shadows_, {"joint", "split"},
@@ -99,7 +99,9 @@ class CookCommand : public Command {
                                             : Preset::kGame;
     cook_.near = near_ == "band" ? Near::kBand : Near::kSurface;
     if (visibility_ != "auto")
-      cook_.visibility = visibility_ == "lookup" ? Visibility::kLookup : Visibility::kNone;
+      cook_.visibility = visibility_ == "fast"      ? Visibility::kFast
+                         : visibility_ == "default" ? Visibility::kDefault
+                                                    : Visibility::kNone;
     cook_.shadows = shadows_ == "split" ? Shadows::kSplit : Shadows::kJoint;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};

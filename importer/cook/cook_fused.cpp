@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "importer/base/progress.h"
 #include "importer/cook/fade_choice.h"
@@ -181,12 +182,15 @@ namespace {
 
 constexpr int kErrorSamples = 20000;  // random texels, lights and views
 constexpr int kErrorPoints = 2;       // evaluations per side of a texel
+// The default lookup towards the light takes up to twice the fetches of the fast one: it has to leave no more
+// than this share of the error.
+constexpr double kDefaultGain = 0.95;
 
 // A near term and the coarse band that takes over from it.
 void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const BakedSurface& surface) {
   Material& m = fit.material;
   NearOptions near{surface.side / plan.surface_side, hasCoarseBand(plan, m.side),
-                   plan.visibility.value_or(Visibility::kLookup)};
+                   plan.visibility.value_or(Visibility::kFast)};
   m.surface = nearMaps(surface, m.geometry, m.side, near, in.threads);
   if (near.with_bands) {
     m.bands.push_back(fitCoarseBand(in, plan));
@@ -199,13 +203,18 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
                         in.threads);
   };
   fit.near = measure(kErrorPoints);
+  // The frugal lookup, unless another is clearly better.
   if (!plan.visibility && m.surface->visibility != Visibility::kNone) {
-    m.surface->visibility = Visibility::kNone;
-    const SampledError without = measure(kErrorPoints);
-    if (without.channel[0].mse < fit.near->channel[0].mse)
-      fit.near = without;
-    else
-      m.surface->visibility = Visibility::kLookup;
+    const double fast = fit.near->channel[0].rmse();
+    for (const auto& [visibility, gain] :
+         {std::pair{Visibility::kDefault, kDefaultGain}, {Visibility::kNone, 1.0}}) {
+      const Visibility before = std::exchange(m.surface->visibility, visibility);
+      const SampledError other = measure(kErrorPoints);
+      if (other.channel[0].rmse() < gain * std::min(fast, fit.near->channel[0].rmse()))
+        fit.near = other;
+      else
+        m.surface->visibility = before;
+    }
   }
   fit.near_at_centres = measure(1);
   for (int c = 0; c < 3; ++c) fit.error.channel[c] = fit.near->channel[c];

@@ -272,7 +272,7 @@ class MaterialCheck {
     };
     require(m_.mode != Mode::kLod, "a material of mode lod has surface maps");
     require(maps.lobe <= Lobe::kGgx, "lobe ", static_cast<uint32_t>(maps.lobe), " is unknown");
-    require(maps.visibility <= Visibility::kLookup, "visibility ", static_cast<uint32_t>(maps.visibility),
+    require(maps.visibility <= Visibility::kDefault, "visibility ", static_cast<uint32_t>(maps.visibility),
             " is unknown");
     require(within(maps.specular_scale, 0, Limits::kMaxSpecular), "specular_scale ", maps.specular_scale,
             " is not in 0..", Limits::kMaxSpecular);

@@ -280,8 +280,9 @@ glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, 
   const SurfaceMaps& maps = *material_->surface;
   const NearPoint<T> point = nearPoint(maps, hit.p, hit.lambda);
   if (glm::dot(point.mapped, wi) <= 0) return V3<T>(0);
-  if (maps.visibility == Visibility::kLookup && hit.relief && !hit.missed &&
-      !lightReaches(vdimMaps(), hit.surface, hit.position, hit.p, wi))
+  const Lookup lookup = maps.visibility == Visibility::kFast ? Lookup::kFast : Lookup::kDefault;
+  if (maps.visibility != Visibility::kNone && hit.relief && !hit.missed &&
+      !lightReaches(vdimMaps(), lookup, hit.surface, hit.position, hit.p, wi))
     return V3<T>(0);
   return evaluateNear(maps.lobe, point, wi, wo);
 }

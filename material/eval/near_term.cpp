@@ -51,7 +51,8 @@ T coupling(const NearPoint<T>& point, T cos_light, T cos_view) {
 }  // namespace
 
 const char* visibilityName(Visibility visibility) {
-  return visibility == Visibility::kLookup ? "lookup" : "none";
+  constexpr const char* kNames[] = {"none", "fast", "default"};
+  return visibility <= Visibility::kDefault ? kNames[static_cast<size_t>(visibility)] : "unknown";
 }
 
 float finestLevel(const Material& material) {
@@ -153,8 +154,8 @@ V3<T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point
 }
 
 template <class T>
-bool lightReaches(const VdimMaps& maps, const LocalSurface<T>& surface, const V3<T>& position, V2<T> p,
-                  const V3<T>& wi, int* fetches) {
+bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface, const V3<T>& position,
+                  V2<T> p, const V3<T>& wi, int* fetches) {
   const V2<T> slope = boundedSlope(wi);
   const V2<T> turn = surface.curvature * slope;
   const T bend = glm::dot(slope, turn);
@@ -166,7 +167,7 @@ bool lightReaches(const VdimMaps& maps, const LocalSurface<T>& surface, const V3
   V3<T> leaving(xy - tilt * wi.z, wi.z + glm::dot(tilt, xy));
   leaving /= std::sqrt(glm::dot(leaving, leaving));
   if (!(leaving.z > T(0))) return true;  // along a convex surface, past it
-  const VdimHit<T> first = vdimLookup(maps, Lookup::kFast, exit, leaving, surface);
+  const VdimHit<T> first = vdimLookup(maps, lookup, exit, leaving, surface);
   if (fetches) *fetches += first.fetches;
   // P as a height of that ray.
   const V2<T> out = boundedSlope(leaving);
@@ -197,9 +198,9 @@ template glm::vec<3, float> evaluateNearEnvironment(const SurfaceMaps&, const Ne
 template glm::vec<3, double> evaluateNearEnvironment(const SurfaceMaps&, const NearPoint<double>&,
                                                      glm::vec<2, double>, double, const HemisphereLight&,
                                                      const glm::vec<3, double>&);
-template bool lightReaches(const VdimMaps&, const LocalSurface<float>&, const glm::vec<3, float>&,
+template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<float>&, const glm::vec<3, float>&,
                            glm::vec<2, float>, const glm::vec<3, float>&, int*);
-template bool lightReaches(const VdimMaps&, const LocalSurface<double>&, const glm::vec<3, double>&,
+template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<double>&, const glm::vec<3, double>&,
                            glm::vec<2, double>, const glm::vec<3, double>&, int*);
 
 }  // namespace loden

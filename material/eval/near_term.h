@@ -43,7 +43,8 @@ glm::vec<3, T> lobeAlbedo(T alpha, const glm::vec<3, T>& f0, T cosine);
 // V(P, wi): false where the lookup along wi meets the tile before P. `position` is P in tile periods and tile
 // lengths below the reference surface, p its parameter; wi in the frame where the ray meets the tile.
 template <class T>
-bool lightReaches(const VdimMaps& maps, const LocalSurface<T>& surface, const glm::vec<3, T>& position,
-                  glm::vec<2, T> p, const glm::vec<3, T>& wi, int* fetches = nullptr);
+bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface,
+                  const glm::vec<3, T>& position, glm::vec<2, T> p, const glm::vec<3, T>& wi,
+                  int* fetches = nullptr);
 
 }  // namespace loden

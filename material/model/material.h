@@ -35,10 +35,11 @@ enum class Lobe : uint32_t {
 
 // How V is found: whether the light from wi meets P first.
 enum class Visibility : uint32_t {
-  kNone = 0,    // it is not: V = 1, no cast shadows
-  kLookup = 1,  // by the VDIM lookup (Lookup::kFast) along wi: what answers the eye answers the light
+  kNone = 0,     // it is not: V = 1, no cast shadows
+  kFast = 1,     // by the VDIM lookup along wi, Lookup::kFast: what answers the eye answers the light
+  kDefault = 2,  // by Lookup::kDefault
 };
-// "none", "lookup".
+// "none", "fast", "default".
 const char* visibilityName(Visibility visibility);
 
 // The near term's maps over p, all with mips, of which the last is one texel unless bands take over before:

@@ -115,7 +115,11 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
     variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
-  if (variant.near && hasRelief(variant)) variant.visibility = std::min(material.surface->visibility, most);
+  if (variant.near && hasRelief(variant)) {
+    variant.visibility = std::min(material.surface->visibility, most);
+    if (variant.lookup == Lookup::kFast)  // no better for the light than for the eye
+      variant.visibility = std::min(variant.visibility, Visibility::kFast);
+  }
   return variant;
 }
 

@@ -14,7 +14,7 @@ namespace loden::runtime {
 // p. kLimit if the material has more bands or quads than the shaders take, or mixes table layouts.
 // `most`: no better visibility than that.
 Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
-                                        Visibility most = Visibility::kLookup);
+                                        Visibility most = Visibility::kDefault);
 
 // The whole block but for what applyResidency writes. Texel data is not looked at.
 LodenMaterialData makeMaterialData(const Material& material);

@@ -39,6 +39,7 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (!variant.shadesMaterial()) return row.none && variant == MaterialVariant{};
   if (!row.material || variant.bands > LODEN_MAX_BANDS) return false;
   if (variant.visibility != Visibility::kNone && !(variant.near && hasRelief(variant))) return false;
+  if (variant.visibility == Visibility::kDefault && variant.lookup != Lookup::kDefault) return false;
   const bool paper = variant.lookup == Lookup::kPaper;
   if (variant.near)
     return !variant.nearest_tables && !variant.light_factor && variant.bands <= (paper ? 0 : kMostNearBands);
@@ -54,7 +55,7 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
   };
   addIfAllowed({});
   for (const Lookup lookup : kLookups) {
-    for (const Visibility visibility : {Visibility::kNone, Visibility::kLookup})
+    for (const Visibility visibility : {Visibility::kNone, Visibility::kFast, Visibility::kDefault})
       for (uint8_t bands = 0; bands <= kMostNearBands; ++bands)
         addIfAllowed({true, bands, lookup, visibility});
     for (const bool nearest : {false, true})
@@ -72,7 +73,8 @@ int unitsOf(const MaterialVariant& variant) {
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   std::vector<std::string> defines;
   if (variant.near) defines.push_back("LODEN_NEAR 1");
-  if (variant.visibility == Visibility::kLookup) defines.push_back("LODEN_VISIBILITY_LOOKUP 1");
+  if (variant.visibility == Visibility::kFast) defines.push_back("LODEN_VISIBILITY_FAST 1");
+  if (variant.visibility == Visibility::kDefault) defines.push_back("LODEN_VISIBILITY_DEFAULT 1");
   if (variant.bands > 0) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
@@ -89,7 +91,8 @@ std::string variantName(const MaterialVariant& variant) {
   if (variant.light_factor) name += "-light";
   name += "-";
   name += lookupName(variant.lookup);
-  if (variant.visibility == Visibility::kLookup) name += "-shadows";
+  if (variant.visibility != Visibility::kNone)
+    name += std::string("-shadows-") + visibilityName(variant.visibility);
   if (variant.first_unit > 0) name += "-from" + std::to_string(variant.first_unit);
   return name;
 }

@@ -97,7 +97,7 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant);
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row);
 // "LODEN_BANDS 4", "LODEN_LOOKUP_DEFAULT 1" ...: what follows `#define`.
 std::vector<std::string> variantDefines(const MaterialVariant& variant);
-// "near-bands1-default-shadows"
+// "near-bands1-default-shadows-fast"
 std::string variantName(const MaterialVariant& variant);
 
 }  // namespace loden::runtime

@@ -299,7 +299,7 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
     const char* name;
     Kind kind;
     Way way;
-    Visibility visibility = Visibility::kLookup;  // of the near term, if there is one
+    Visibility visibility = Visibility::kFast;  // of the near term, if there is one
     bool cosine_included = true;
   };
   std::map<Kind, Material> materials;
@@ -309,7 +309,8 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
         Case{"near and coarse, environment", fused, lit},
         Case{"near and coarse, curved, environment", fused, lit_curved},
         Case{"near and coarse, no shadows", fused, full, Visibility::kNone},
-        Case{"surface", near, full, Visibility::kNone}, Case{"surface, shadows", near, full},
+        Case{"surface", near, full, Visibility::kNone},
+        Case{"surface, shadows", near, full, Visibility::kDefault},
         Case{"surface as published", published, {Lookup::kPaper}, Visibility::kNone},
         Case{"surface, environment", near, lit}, Case{"lod as published", lod_published, none},
         Case{"lod with 8-bit maps", lod, none}, Case{"lod without the cosine", lod, none, {}, false},

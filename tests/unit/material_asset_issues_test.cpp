@@ -415,7 +415,7 @@ TEST(AssetIssues, MapField) {
                          [](Material& m) { m.surface->fade_begin = -kInfinity; },
                          [](Material& m) { m.surface->specular_scale = 1e30f; },
                          [](Material& m) { m.surface->lobe = static_cast<Lobe>(2); },
-                         [](Material& m) { m.surface->visibility = static_cast<Visibility>(2); },
+                         [](Material& m) { m.surface->visibility = static_cast<Visibility>(3); },
                          [](Material& m) { m.surface->tail_mip = 4; },
                          [](Material& m) { m.surface->tail_mip = -1; },
                      });
@@ -479,8 +479,9 @@ TEST(AssetIssues, NonFiniteTexels) {
 //   LODEN_WRITE_SEEDS=1 unit_material --gtest_filter='FuzzSeeds.*'
 TEST(FuzzSeeds, AreAssetsOfThisFormat) {
   const std::string folder = std::string(LODEN_TESTS_DIR) + "/fuzz/corpus/asset_fuzz/";
-  for (const Material& material : {test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(),
-                                   test::splitSurfaceMaterial(), test::splitFusedMaterial()})
+  for (const Material& material :
+       {test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(), test::splitSurfaceMaterial(),
+        test::splitFusedMaterial(), test::nearMaterial()})
     for (const bool stored : {false, true}) {
       std::string name = material.name + (stored ? " stored" : "") + ".loden";
       std::replace(name.begin(), name.end(), ' ', '_');
@@ -515,6 +516,8 @@ TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
       {"kMaxDirections", Limits::kMaxDirections},
       {"kMaxGridSide", Limits::kMaxGridSide},
       {"kMaxLambda", Limits::kMaxLambda},
+      {"kMaxFinerLevels", Limits::kMaxFinerLevels},
+      {"kMaxSpecular", Limits::kMaxSpecular},
       {"kMaxGeometrySide", Limits::kMaxGeometrySide},
       {"kMaxTilePeriods", Limits::kMaxTilePeriods},
       {"kMaxAtlasTexels", Limits::kMaxAtlasTexels},

@@ -219,7 +219,7 @@ Material nearMaterial() {
   material.bands[0].window = {};
   SurfaceMaps maps = *surfaceMaterial().surface;
   maps.lobe = Lobe::kGgx;
-  maps.visibility = Visibility::kLookup;
+  maps.visibility = Visibility::kFast;
   maps.lambda_first = -1;
   maps.fade_begin = 0.5f, maps.fade_end = 2.5f;
   maps.normal =

@@ -31,7 +31,7 @@ struct MaterialSystemOptions {
   float release_seconds = 3;         // what nobody has demanded for longer goes even where there is room
   Lookup lookup = Lookup::kDefault;  // where a material has geometry; kPaper where it stores a VDIM; kQuality
                                      // is drawn as kDefault
-  Visibility visibility = Visibility::kLookup;  // of near terms, at most: kNone leaves out cast shadows
+  Visibility visibility = Visibility::kDefault;  // of near terms, at most: kNone leaves out cast shadows
   // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with
   // a small one.
   std::optional<VdimAtlasSize> atlas_size = {};

@@ -11,7 +11,7 @@ import sys
 from xxh3 import xxh3_64
 
 MAGIC = bytes.fromhex("AB4C4F44454E31BB0D0A1A0A")
-TEXEL_BYTES = {38: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4, 16: 2}
+TEXEL_BYTES = {38: 4, 43: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4}
 
 
 def require(holds, text):

@@ -13,9 +13,6 @@ namespace loden::importer {
 // messages.
 Result<Tile> finishTile(Tile tile, const std::string& where);
 
-// builtin:weave before it is finished.
-Tile weaveTile(int resolution);
-
 // A polygon mesh before it is a tile: what files hold and what subdivision refines. Uv 0 per vertex: vertices
 // are already split where texture coordinates are.
 struct PolygonMesh {

@@ -63,9 +63,10 @@ struct TileOptions {
 // tile coordinates with its top at z = 0.
 Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& options = {});
 
-// Procedural analogues of FBTF figure 1, and a weave of separate yarns; `resolution` vertices per side of the
-// deformed grid (along a yarn).
+// Procedural analogues of FBTF figure 1 (button, isba, pulli, sponge), and tiles of what surfaces are made of
+// besides (importer/tile/tile_parts.h); `resolution` cells per side of a period.
 Result<Tile> builtinTile(const std::string& name, int resolution = 192);
 const std::vector<std::string>& builtinTileNames();
+const std::string& builtinTileList();  // for messages and help: "builtin:button|isba|..."
 
 }  // namespace loden::importer

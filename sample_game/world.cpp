@@ -4,6 +4,7 @@
 
 #include "material/base/issues.h"
 #include "material/model/directions.h"
+#include "material/system/asset_io.h"
 #include "runtime/scene/gltf_scene.h"
 #include "runtime/scene/image_read.h"
 #include "runtime/scene/mesh_analytic.h"
@@ -35,6 +36,14 @@ Light defaultSun() {
   return sun;
 }
 
+// Of the asset's tile; 1 of one that cannot be opened, which its loading will say.
+double aspectOf(const std::filesystem::path& asset) {
+  auto source = openFileSource(asset);
+  if (!source) return 1;
+  const auto file = AssetFile::open(std::move(*source), asset.string());
+  return file ? double(file->skeleton().aspect) : 1.0;
+}
+
 Result<Scene> makeScene(const Options& options) {
   if (options.asset.empty()) {
     Result<Scene> scene = loadGltfScene(options.scene);
@@ -43,7 +52,8 @@ Result<Scene> makeScene(const Options& options) {
   }
   const glm::dvec2 light = options.light.value_or(glm::dvec2(30, 0));
   const Spherical direction{light.x * kPi / 180, light.y * kPi / 180};
-  Scene scene = analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)));
+  Scene scene = analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)),
+                              aspectOf(options.asset));
   if (!options.light && !options.environment.empty()) scene.lights.clear();
   return scene;
 }

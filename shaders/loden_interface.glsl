@@ -64,8 +64,7 @@ struct LodenMaterial {
   float distance_;     // above 0: lambda by LBTF's distance rule, in units at which a texel covers a pixel
   bool skip_parallax;  // fade the lookup out where parallax is below a quarter of a texel shown
   // What loden_follow_surface finds out; the defaults stand for a flat surface with unstretched texture
-  // coordinates. The tile length is that of a tile period there: the square root of the area that a tile
-  // takes.
+  // coordinates. The tile length is the square root of the area that a tile takes.
   mat2 curvature;  // of the reference surface: tilt of the normal per tile length, symmetric, positive if
                    // convex
   mat2 x_from_tangent;  // tile periods per tile length along the tangent frame; of determinant 1
@@ -73,7 +72,9 @@ struct LodenMaterial {
 };
 
 LodenMaterial loden_material_default() {
-  return LodenMaterial(loden_material.resident_lambda, 0.0, 0.0, true, mat2(0.0), mat2(1.0), 1.0);
+  vec2 scale = loden_material.periods_per_length;
+  return LodenMaterial(loden_material.resident_lambda, 0.0, 0.0, true, mat2(0.0),
+                       mat2(scale.x, 0.0, 0.0, scale.y), 1.0);
 }
 
 // The local reflectance at one point, filtered (loden_near.glsl).

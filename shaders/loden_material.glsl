@@ -73,7 +73,7 @@ float loden_lambda_from_distance(float distance_) {
 float loden_parallax_fade(float lambda, vec3 wo) {
   // Only where P.xy == p is p = x without parallax.
   if ((loden_material.bits & LODEN_IDENTITY) == 0) return 1.0;
-  float slope = length(wo.xy) / max(wo.z, LODEN_VDIM_COS);
+  float slope = length(loden_material.periods_per_length * wo.xy) / max(wo.z, LODEN_VDIM_COS);
   float texels = loden_material.geometry_range.z * slope * loden_material.side * exp2(-lambda);
   return clamp(4.0 * texels - 1.0, 0.0, 1.0);
 }

@@ -116,7 +116,8 @@ struct LodenMaterialData {
   float near_end;        // w(lambda) is 0 from here on
 
   float near_slope;  // 1 / (near_end - where it begins to fall)
-  float padding0, padding1, padding2;
+  float padding;
+  vec2 periods_per_length;  // tile coordinates to a tile length along x and y; 1 where the period is square
 
   vec4 environment_mean[LODEN_ENVIRONMENT_THETAS];  // EnvironmentMean::rows
   LodenBandData bands[LODEN_MAX_BANDS];

@@ -70,6 +70,7 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   BakeManifest m;
   m.tile = tile_name;
   m.input_hash = tileHash(tile);
+  m.aspect = tile.aspect, m.period = o.period;
   m.size = o.size;
   m.flat_size = o.flat_size > 0 ? o.flat_size : o.size;
   m.surface_size = o.surface_size > 0 ? o.surface_size : std::min(2 * o.size, 4096);

@@ -16,6 +16,7 @@ struct BakeMaps {
 };
 
 struct BakeOptions {
+  double period = 0;                                 // of the tile in x, metres; 0: not known
   int size = 64;                                     // reference texels per side
   int flat_size = 0;                                 // 0: as size
   int surface_size = 0;                              // of the surface maps; 0: twice the size

@@ -191,6 +191,7 @@ std::string tileHash(const Tile& tile) {
     feed(state, brdf.diffuse), feed(state, brdf.specular), feed(state, brdf.exponent);
     if (brdf.alpha > 0) feed(state, brdf.f0), feed(state, brdf.alpha);
   }
+  if (tile.aspect != 1) feed(state, tile.aspect);
   for (const glm::uvec3& triangle : tile.triangles) feed(state, triangle);
   for (const uint16_t chart : tile.charts) feed(state, chart);
   feedTextures(state, tile);

@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kSchema = "loden/bake/1";
 constexpr int kMaxSide = 4096, kMaxDirections = 4096;
+constexpr double kMostAspect = 8;  // importer/tile/tile.h
 
 fs::path viewPath(const fs::path& folder, const char* kind, int view, const char* extension) {
   char name[48];
@@ -86,6 +87,8 @@ std::string manifestText(const BakeManifest& m) {
   json["revision"] = m.revision;
   json["tile"] = m.tile;
   json["input_hash"] = m.input_hash;
+  if (m.aspect != 1) json["aspect"] = m.aspect;
+  if (m.period != 0) json["period"] = m.period;
   json["size"] = m.size;
   json["flat_size"] = m.flat_size;
   json["surface_size"] = m.surface_size;
@@ -119,6 +122,9 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
     BakeManifest m;
     m.tile = json.at("tile").get<std::string>();
     m.input_hash = json.at("input_hash").get<std::string>();
+    m.aspect = json.value("aspect", 1.0), m.period = json.value("period", 0.0);
+    if (!(m.aspect >= 1 / kMostAspect && m.aspect <= kMostAspect)) return refuse("aspect is outside 1/8..8");
+    if (!(m.period >= 0 && m.period < 1e6)) return refuse("period is not a length in metres");
     m.size = json.at("size").get<int>();
     m.flat_size = json.at("flat_size").get<int>();
     m.surface_size = json.value("surface_size", m.flat_size);  // revision 4 baked both alike

@@ -46,6 +46,8 @@ struct BakeManifest {
   int revision = kBakeRevision;
   std::string tile;        // as given to `loden bake`
   std::string input_hash;  // XXH3-128 of the tile's geometry, hex
+  double aspect = 1;       // of the tile: its period in y to that in x
+  double period = 0;       // of the tile in x, metres; 0: not known
   int size = 64;           // reference texels per side
   int flat_size = 64;
   int surface_size = 128;  // of the surface maps

@@ -38,7 +38,8 @@ Hit<float> flatHit(const Evaluator& evaluator, glm::dvec2 p, double lambda, cons
   const auto point = surfaceAt(geometry, p);
   if (point.chart == 0) return hit;
   hit.depth = static_cast<float>(point.position.z);
-  hit.x = glm::dvec2(point.position) - glm::dvec2(wo) / wo.z * point.position.z;
+  hit.x = glm::dvec2(point.position) -
+          glm::dvec2(wo) * periodsPerLength(geometry.aspect) / wo.z * point.position.z;
   return hit;
 }
 

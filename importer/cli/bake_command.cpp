@@ -63,8 +63,7 @@ class BakeCommand : public Command {
   }
 
   void declare(Options& options) override {
-    options.text("tile", tile_,
-                 "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
+    options.text("tile", tile_, builtinTileList() + ", or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, "Folder to fill", true);
     options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
     options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);

@@ -62,8 +62,7 @@ class TraceCommand : public Command {
   }
 
   void declare(Options& options) override {
-    options.text("tile", tile_,
-                 "builtin:button|isba|pulli|sponge|weave, or a .gltf, .glb or .obj file of one period", true);
+    options.text("tile", tile_, builtinTileList() + ", or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, ".exr (linear RGBA), .hdr, .png or .jpg (sRGB)", true);
     options.choice("--surface", surface_, {"plane", "cylinder", "sphere"},
                    "What the tile covers; one period is 1/8 m");

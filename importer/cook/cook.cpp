@@ -80,14 +80,14 @@ Result<GeometryImage> geometryOf(const BakedOutput& input, int side) {
       positions.emplace_back(mean.x + p.x, mean.y + p.y, std::min(mean.z, 0.0));
       charts.push_back(chart);
     }
-  return encodeGeometryImage(side, positions, charts, input.manifest().identity_parameterization);
+  auto image = encodeGeometryImage(side, positions, charts, input.manifest().identity_parameterization);
+  image.aspect = static_cast<float>(input.manifest().aspect);
+  return image;
 }
 
-Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
-  if (const Status status = checkOptions(options); !status) return status.issue();
-  const BakeManifest& manifest = input.manifest();
-  if (options.mode != Mode::kSurface && !manifest.has_btf) return missing(input, "BTF", "btf");
-  if (options.mode != Mode::kLod && !manifest.has_surface) return missing(input, "geometry", "surface");
+namespace {
+
+Result<Material> cookBake(const BakedOutput& input, const CookOptions& options) {
   if (options.mode == Mode::kSurface) return cookSurface(input, options);
   auto source = bakedSource(input);
   if (!source) return source.issue();
@@ -96,6 +96,20 @@ Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
   if (!surface) return surface.issue();
   return cookFused(
       **source, [&](int side) { return geometryOf(input, side); }, *surface, options);
+}
+
+}  // namespace
+
+Result<Material> cook(const BakedOutput& input, const CookOptions& options) {
+  if (const Status status = checkOptions(options); !status) return status.issue();
+  const BakeManifest& manifest = input.manifest();
+  if (options.mode != Mode::kSurface && !manifest.has_btf) return missing(input, "BTF", "btf");
+  if (options.mode != Mode::kLod && !manifest.has_surface) return missing(input, "geometry", "surface");
+  auto material = cookBake(input, options);
+  if (material)
+    material->aspect = static_cast<float>(manifest.aspect),
+    material->period = static_cast<float>(manifest.period);
+  return material;
 }
 
 Result<Material> cook(const BtfSource& input, const CookOptions& options) {

@@ -17,7 +17,7 @@ struct MeshName {
   MeshName(const char* file_) : file(file_) {}
   std::string file;
   std::vector<uint32_t> numbers;  // per triangle; empty: as they come
-  double unit = 1;                // of the file, of a position here
+  glm::dvec3 unit{1};             // of the file, of a position here
   glm::dvec3 origin{0};           // in the file
   uint32_t number(size_t triangle) const {
     return triangle < numbers.size() ? numbers[triangle] : uint32_t(triangle);

@@ -24,10 +24,11 @@ using Piece = std::vector<uint32_t>;  // triangles
 struct Surface {
   std::span<const glm::dvec3> positions;
   std::span<const glm::uvec3> triangles;
+  glm::dvec3 length;  // of a tile coordinate, along each axis, tile lengths
   PeriodicNodes nodes;
   std::vector<Neighbour> neighbours;
 
-  glm::dvec3 corner(uint32_t t, int k) const { return positions[triangles[t][k]]; }
+  glm::dvec3 corner(uint32_t t, int k) const { return positions[triangles[t][k]] * length; }
   // From the triangle's centre to the middle of edge k; the same in every period.
   double reach(uint32_t t, int k) const {
     return glm::distance((corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0,
@@ -38,7 +39,7 @@ struct Surface {
 // A piece moved together: vertices of its own.
 struct Sheet {
   std::vector<uint32_t> source;
-  std::vector<glm::dvec3> positions;
+  std::vector<glm::dvec3> positions;  // tile lengths
   std::vector<glm::uvec3> triangles;  // of Piece's order
   std::vector<glm::dvec2> params;
 };
@@ -77,7 +78,8 @@ std::optional<Sheet> unfold(const Surface& surface, const Piece& piece) {
       const auto [entry, fresh] =
           vertices.try_emplace({surface.nodes.node[v], period.x, period.y}, uint32_t(sheet.source.size()));
       if (fresh)
-        sheet.source.push_back(v), sheet.positions.push_back(surface.positions[v] + glm::dvec3(*shift[t], 0));
+        sheet.source.push_back(v),
+            sheet.positions.push_back((surface.positions[v] + glm::dvec3(*shift[t], 0)) * surface.length);
       corners[k] = entry->second;
     }
     sheet.triangles.push_back(corners);
@@ -266,10 +268,11 @@ std::optional<Sheet> chartOf(const Surface& surface, const Piece& piece) {
   return sheet;
 }
 
-void append(const Piece& piece, const Sheet& sheet, uint16_t chart, ChartedMesh& mesh) {
+void append(const Surface& surface, const Piece& piece, const Sheet& sheet, uint16_t chart,
+            ChartedMesh& mesh) {
   const auto first = uint32_t(mesh.source.size());
   mesh.source.insert(mesh.source.end(), sheet.source.begin(), sheet.source.end());
-  mesh.positions.insert(mesh.positions.end(), sheet.positions.begin(), sheet.positions.end());
+  for (const glm::dvec3& position : sheet.positions) mesh.positions.push_back(position / surface.length);
   mesh.params.insert(mesh.params.end(), sheet.params.begin(), sheet.params.end());
   for (size_t t = 0; t < piece.size(); ++t)
     mesh.triangles[piece[t]] = sheet.triangles[t] + first, mesh.charts[piece[t]] = chart;
@@ -300,8 +303,9 @@ bool isFlat(std::span<const glm::dvec2> params, std::span<const glm::uvec3> tria
 }
 
 Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
-                                const MeshName& name) {
-  Surface surface{positions, triangles, periodicNodes(positions), {}};
+                                const MeshName& name, double aspect) {
+  const double root = std::sqrt(aspect);
+  Surface surface{positions, triangles, {1 / root, root, 1}, periodicNodes(positions), {}};
   auto neighbours = findNeighbours(positions, triangles, surface.nodes, name);
   if (!neighbours) return neighbours.issue();
   surface.neighbours = std::move(*neighbours);
@@ -315,7 +319,7 @@ Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span
     const Piece piece = std::move(left.back());
     left.pop_back();
     if (const auto sheet = chartOf(surface, piece)) {
-      append(piece, *sheet, uint16_t(++charts), mesh);
+      append(surface, piece, *sheet, uint16_t(++charts), mesh);
     } else if (piece.size() == 1) {
       return Issue{issue_id::kTileGeometry, Severity::kError,
                    triangleName(name, piece[0], positions, triangles), "cannot be flattened: it has no area"};

@@ -21,12 +21,12 @@ struct ChartedMesh {
   std::vector<uint16_t> charts;       // per triangle, from 1
 };
 
-// positions have period 1 in x and y. Every connected component is a chart if it can be flattened without
-// folds or overlaps and without much stretch (least squares conformal maps, Levy et al. 2002); else it is cut
-// into two halves, and so on. Refuses, with triangle and position named, edges of more than two triangles or
-// of two that face opposite ways.
+// Positions are tile coordinates of that aspect, with period 1 in x and y. Every connected component is a
+// chart if it can be flattened without folds or overlaps and without much stretch (least squares conformal
+// maps, Levy et al. 2002); else it is cut into two halves, and so on. Refuses, with triangle and position
+// named, edges of more than two triangles or of two that face opposite ways.
 Result<ChartedMesh> segmentMesh(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
-                                const MeshName& name);
+                                const MeshName& name, double aspect = 1);
 
 // Whether triangles with these params, one chart, lie the right way round and nowhere over each other: none
 // is turned over, and the border does not cross itself.

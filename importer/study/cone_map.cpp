@@ -43,7 +43,7 @@ glm::dvec2 bilinear(const ConeMap& map, glm::dvec2 x) {
 
 ConeMap buildConeMap(const GeometryImage& geometry, int threads) {
   LODEN_CHECK_EQ(geometry.identity_parameterization, true);
-  ConeMap map{geometry.side(), {}};
+  ConeMap map{geometry.side(), geometry.aspect, {}};
   const int n = map.side;
   double z_max = geometry.zMin();
   for (int t = 0; t < n * n; ++t) {
@@ -58,7 +58,8 @@ ConeMap buildConeMap(const GeometryImage& geometry, int threads) {
 
 ConeHit coneLookup(const ConeMap& map, int taps, glm::dvec2 x, const glm::dvec3& wo) {
   const double sine = std::hypot(wo.x, wo.y);
-  const glm::dvec2 slope = glm::dvec2(wo) * std::min(1.0, std::sin(kThetaMax) / std::max(sine, 1e-6)) /
+  const glm::dvec2 slope = periodsPerLength(map.aspect) * glm::dvec2(wo) *
+                           std::min(1.0, std::sin(kThetaMax) / std::max(sine, 1e-6)) /
                            std::max(wo.z, std::cos(kThetaMax));
   const double steepness = glm::length(slope), enough = .02 / map.side;
   struct Tap {

@@ -13,6 +13,7 @@ namespace loden::importer {
 // fetch of a filtered 3-byte texel (16 bits of z, 8 of the cone); here they are not even rounded.
 struct ConeMap {
   int side = 0;
+  double aspect = 1;               // of the tile
   std::vector<glm::dvec2> texels;  // z in tile periods, <= 0; the cone's radius over its height
 
   size_t bytes() const { return texels.size() * 3; }

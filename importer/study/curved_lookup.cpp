@@ -89,7 +89,7 @@ void measure(StudyRow& row, const VdimAtlas& atlas, const GeometryImage& geometr
     const double theta = std::acos(sample.wo.z) * 180 / kPi;
     if (theta < theta_degrees.x || theta >= theta_degrees.y) return;
     const auto found = vdimLookup({.atlas = &atlas}, lookup, sample.x, sample.wo,
-                                  bent ? sample.surface : LocalSurface<double>{});
+                                  bent ? sample.surface : LocalSurface<double>::flat(geometry.aspect));
     counted[i] = 1, missed_by_lookup[i] = found.missed, fetches[i] = found.fetches;
     if (sample.hit)
       errors[i] =
@@ -134,7 +134,7 @@ Status measureTile(const std::string& name, const StudyOptions& options, StudyRo
   const glm::dvec2 angles[] = {{0, 90}, {0, 60}, {60, 75}, {75, 90}};
   Progress progress("curved-lookup " + name, 2 * 2 * 2 * std::size(angles), options.quiet);
   for (const SurfaceKind kind : {SurfaceKind::kCylinder, SurfaceKind::kSphere}) {
-    const AnalyticSurface surface = analyticSurface(kind);
+    const AnalyticSurface surface = analyticSurface(kind, tile->aspect);
     const auto samples = drawSamples(BentTiles(*tile, surface), surface, options.threads);
     for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault})
       for (const bool bent : {false, true})

@@ -6,7 +6,7 @@
 
 #include "importer/base/periodic_noise.h"
 #include "importer/tile/polygon_mesh.h"
-#include "importer/tile/tile.h"
+#include "importer/tile/tile_parts.h"
 #include "material/base/issues.h"
 #include "material/model/directions.h"
 
@@ -14,48 +14,6 @@ namespace loden::importer {
 namespace {
 
 constexpr double kTwoPi = 2 * kPi;
-
-// A surface over the parameter torus: position(p + n) = position(p) + (n, 0).
-struct Surface {
-  std::function<glm::dvec3(glm::dvec2 p)> position;
-  std::function<LocalBrdf(glm::dvec2 p, const glm::dvec3& position)> brdf;
-  bool identity_parameterization = false;
-};
-
-glm::dvec3 surfaceNormal(const Surface& surface, glm::dvec2 p) {
-  constexpr double kStep = 5e-4;  // tile periods; far below the finest feature, far above rounding
-  const glm::dvec3 du =
-      surface.position(p + glm::dvec2(kStep, 0)) - surface.position(p - glm::dvec2(kStep, 0));
-  const glm::dvec3 dv =
-      surface.position(p + glm::dvec2(0, kStep)) - surface.position(p - glm::dvec2(0, kStep));
-  return glm::normalize(glm::cross(du, dv));
-}
-
-Tile gridTile(const std::string& name, int resolution, const Surface& surface) {
-  Tile tile;
-  tile.name = name;
-  tile.identity_parameterization = surface.identity_parameterization;
-  for (int j = 0; j <= resolution; ++j)
-    for (int i = 0; i <= resolution; ++i) {
-      // The last row and column are the first, one period on: evaluated there, so that they agree exactly.
-      const glm::ivec2 wrap(i == resolution, j == resolution);
-      const glm::dvec2 p = glm::dvec2(i, j) / double(resolution) - glm::dvec2(wrap);
-      const glm::dvec3 position = surface.position(p);
-      tile.positions.push_back(position + glm::dvec3(wrap, 0));
-      tile.normals.push_back(surfaceNormal(surface, p));
-      tile.params.push_back(p + glm::dvec2(wrap));
-      tile.brdfs.push_back(surface.brdf(p, position));
-    }
-  const uint32_t row = static_cast<uint32_t>(resolution) + 1;
-  for (uint32_t j = 0; j + 1 < row; ++j)
-    for (uint32_t i = 0; i + 1 < row; ++i) {
-      const uint32_t a = j * row + i;
-      tile.triangles.push_back({a, a + 1, a + row + 1});
-      tile.triangles.push_back({a, a + row + 1, a + row});
-    }
-  tile.charts.assign(tile.triangles.size(), 1);
-  return tile;
-}
 
 double smooth(double low, double high, double x) {
   return glm::smoothstep(low, high, x);
@@ -121,7 +79,7 @@ glm::dvec2 MushroomProfile::at(double disk_radius) const {
   return glm::mix(curve_[k - 1], curve_[k], t);
 }
 
-Surface buttonSurface() {
+TorusSurface buttonSurface() {
   const auto profile = std::make_shared<const MushroomProfile>();
   const auto cell = [](glm::dvec2 p) {  // two rows of two knobs, the upper row shifted by half a knob
     const double row = std::floor(p.y * 2), shift = int(row) % 2 ? 0.25 : 0.0;
@@ -195,7 +153,7 @@ glm::dvec2 FoldSection::at(double t) const {
   return curve(u) + glm::dvec2(period, 0);
 }
 
-Surface isbaSurface() {
+TorusSurface isbaSurface() {
   const auto section = std::make_shared<const FoldSection>();
   const auto position = [section](glm::dvec2 p) {
     const glm::dvec2 before = section->at(p.x - 1e-4), after = section->at(p.x + 1e-4);
@@ -257,7 +215,7 @@ Knit knitAt(glm::dvec2 p) {
   return knit;
 }
 
-Surface pulliSurface() {
+TorusSurface pulliSurface() {
   const auto position = [](glm::dvec2 p) {
     const double knit = knitAt(p).height;
     const double fibre = 0.007 * periodicNoise(p, {40, 18}, 3) + 0.012 * periodicFractal(p, {6, 4}, 2, 4);
@@ -282,7 +240,7 @@ Surface pulliSurface() {
 // --- sponge: pores in a rough slab
 // ---------------------------------------------------------------------------
 
-Surface spongeSurface() {
+TorusSurface spongeSurface() {
   struct Pore {
     glm::dvec2 centre;
     double radius, depth;
@@ -319,27 +277,55 @@ Surface spongeSurface() {
 
 }  // namespace
 
+namespace {
+
+struct Maker {
+  const char* name;
+  Tile (*make)(int resolution);
+};
+
+template <TorusSurface (*surface)()>
+Tile grid(int resolution) {
+  return gridTile("", resolution, surface());
+}
+
+constexpr Maker kMakers[] = {
+    {"button", grid<buttonSurface>}, {"isba", grid<isbaSurface>}, {"pulli", grid<pulliSurface>},
+    {"sponge", grid<spongeSurface>}, {"weave", weaveTile},        {"stockinette", stockinetteTile},
+    {"fibres", fibresTile},          {"rings", ringsTile},        {"shingles", shinglesTile},
+    {"leather", leatherTile},        {"bricks", bricksTile}};
+
+}  // namespace
+
 const std::vector<std::string>& builtinTileNames() {
-  static const std::vector<std::string> names{"button", "isba", "pulli", "sponge", "weave"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Maker& maker : kMakers) all.push_back(maker.name);
+    return all;
+  }();
   return names;
+}
+
+const std::string& builtinTileList() {
+  static const std::string list = [] {
+    std::string all = "builtin:";
+    for (const std::string& name : builtinTileNames()) all += name + "|";
+    all.pop_back();
+    return all;
+  }();
+  return list;
 }
 
 Result<Tile> builtinTile(const std::string& name, int resolution) {
   LODEN_CHECK_LT(2, resolution);
-  if (name == "weave") return finishTile(weaveTile(resolution), "builtin:weave");
-  Surface surface;
-  if (name == "button")
-    surface = buttonSurface();
-  else if (name == "isba")
-    surface = isbaSurface();
-  else if (name == "pulli")
-    surface = pulliSurface();
-  else if (name == "sponge")
-    surface = spongeSurface();
-  else
-    return Issue{issue_id::kOption, Severity::kError, "builtin:" + name,
-                 "no such tile; there are button, isba, pulli, sponge, weave"};
-  return finishTile(gridTile(name, resolution, surface), "builtin:" + name);
+  for (const Maker& maker : kMakers) {
+    if (name != maker.name) continue;
+    Tile tile = maker.make(resolution);
+    tile.name = name;
+    return finishTile(std::move(tile), "builtin:" + name);
+  }
+  return Issue{issue_id::kOption, Severity::kError, "builtin:" + name,
+               "no such tile; there are " + builtinTileList()};
 }
 
 }  // namespace loden::importer

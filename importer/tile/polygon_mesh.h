@@ -13,12 +13,10 @@ namespace loden::importer {
 // messages.
 Result<Tile> finishTile(Tile tile, const std::string& where);
 
-// builtin:weave before it is finished.
-Tile weaveTile(int resolution);
-
 // A polygon mesh before it is a tile: what files hold and what subdivision refines. Uv 0 per vertex: vertices
 // are already split where texture coordinates are.
 struct PolygonMesh {
+  double aspect = 1;  // of the period, once that is known; positions are tile coordinates then
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;      // of any length; 0 where the file has none; empty: to be computed
   std::vector<glm::dvec2> uvs;          // empty: none in the file

@@ -8,6 +8,7 @@
 #include "importer/mesh/weld.h"
 #include "importer/tile/polygon_mesh.h"
 #include "material/base/issues.h"
+#include "material/model/geometry_image.h"
 
 namespace loden::importer {
 namespace {
@@ -69,6 +70,10 @@ void dropEmptyTriangles(Tile& tile) {
 }
 
 }  // namespace
+
+glm::dvec3 Tile::perLength() const {
+  return {periodsPerLength(aspect), 1};
+}
 
 Result<Tile> finishTile(Tile tile, const std::string& where) {
   if (const Status status = checkFinite(tile, where); !status) return status.issue();

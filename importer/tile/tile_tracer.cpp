@@ -93,11 +93,12 @@ struct TileTracer::Impl {
     int16_t shift_x, shift_y;  // periods
   };
   Tile tile;
+  glm::dvec3 per_length;  // of the tile
   RTCScene scene = nullptr;
   std::vector<Copy> copies;  // per primitive of the scene
   double margin = 1, z_min = 0;
 
-  explicit Impl(const Tile& source) : tile(source) { build(); }
+  explicit Impl(const Tile& source) : tile(source), per_length(source.perLength()) { build(); }
   ~Impl() { rtcReleaseScene(scene); }
 
   void build();
@@ -109,9 +110,9 @@ struct TileTracer::Impl {
     bool last;          // the ray leaves the tile's slab within it
   };
   std::optional<Segment> segment(const glm::dvec3& origin, const glm::dvec3& direction) const;
-  bool blocked(glm::dvec3 origin, const glm::dvec3& direction) const;
+  bool blocked(glm::dvec3 origin, const glm::dvec3& direction_of_lengths) const;
   TileHit pointOn(uint32_t triangle, glm::dvec2 b) const;
-  // What the whole ray from origin has met within one of its segments.
+  // What the whole ray from origin has met within one of its segments; `direction` is that of lengths.
   TileHit hitOf(const RTCHit& met, const Segment& part, const glm::dvec3& origin,
                 const glm::dvec3& direction) const;
 };
@@ -223,14 +224,14 @@ TileHit TileTracer::Impl::pointOn(uint32_t triangle, glm::dvec2 b) const {
   if (!tile.texture_points.empty()) [[unlikely]]
     readTextures(tile.materials, tile.texture_points, v, b, hit.brdf);
   hit.normal = glm::normalize(hit.normal);
-  const glm::dvec3 face =
-      glm::cross(tile.positions[v[1]] - tile.positions[v[0]], tile.positions[v[2]] - tile.positions[v[0]]);
+  const glm::dvec3 face = per_length * glm::cross(tile.positions[v[1]] - tile.positions[v[0]],
+                                                  tile.positions[v[2]] - tile.positions[v[0]]);
   hit.geometric_normal = glm::normalize(glm::dot(face, hit.normal) < 0 ? -face : face);
-  hit.ray_origin = hit.position + kLift * hit.geometric_normal;
+  hit.ray_origin = hit.position + kLift * (hit.geometric_normal * per_length);
   for (int k = 0; k < 3; ++k) {
     const glm::dvec3& normal = tile.normals[v[k]];
-    const double below = std::min(0.0, glm::dot(hit.position - tile.positions[v[k]], normal));
-    hit.ray_origin -= w[k] * below * normal;
+    const double below = std::min(0.0, glm::dot((hit.position - tile.positions[v[k]]) / per_length, normal));
+    hit.ray_origin -= w[k] * below * (normal * per_length);
   }
   return hit;
 }
@@ -243,30 +244,33 @@ TileHit TileTracer::Impl::hitOf(const RTCHit& met, const Segment& part, const gl
   hit.position += glm::dvec3(shift, 0);
   hit.ray_origin += glm::dvec3(shift, 0);
   hit.p += shift;
-  hit.t = glm::dot(hit.position - origin, direction) / glm::dot(direction, direction);
+  const glm::dvec3 along = direction * per_length;
+  hit.t = glm::dot(hit.position - origin, along) / glm::dot(along, along);
   if (glm::dot(hit.geometric_normal, direction) > 0) {  // the back of the surface
-    hit.ray_origin = hit.position - kLift * hit.geometric_normal;
+    hit.ray_origin = hit.position - kLift * (hit.geometric_normal * per_length);
     hit.geometric_normal = -hit.geometric_normal;
   }
   return hit;
 }
 
 std::optional<TileHit> TileTracer::intersect(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  const glm::dvec3 along = direction * impl_->per_length;
   glm::dvec3 start = origin;
   for (int k = 0; k < kMaxSegments; ++k) {
-    const auto part = impl_->segment(start, direction);
+    const auto part = impl_->segment(start, along);
     if (!part) return std::nullopt;
-    RTCRayHit ray = makeRayHit(part->origin, direction, float(part->length));
+    RTCRayHit ray = makeRayHit(part->origin, along, float(part->length));
     RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
     rtcIntersect1(impl_->scene, &context, &ray);
     if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) return impl_->hitOf(ray.hit, *part, origin, direction);
     if (part->last) return std::nullopt;
-    start = advance(start, direction, part->length);
+    start = advance(start, along, part->length);
   }
   return std::nullopt;
 }
 
-bool TileTracer::Impl::blocked(glm::dvec3 origin, const glm::dvec3& direction) const {
+bool TileTracer::Impl::blocked(glm::dvec3 origin, const glm::dvec3& direction_of_lengths) const {
+  const glm::dvec3 direction = direction_of_lengths * per_length;
   for (int k = 0; k < kMaxSegments; ++k) {
     const auto part = segment(origin, direction);
     if (!part) return false;
@@ -288,7 +292,8 @@ bool TileTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction)
 // traverses ray by ray with vectors over boxes and triangles, which is 1.5 to 1.7 times as fast as packets of
 // eight (`bench_bake`), with the same bits.
 void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const uint8_t> wanted,
-                          const glm::vec3& direction, std::span<uint8_t> blocked) const {
+                          const glm::vec3& direction_of_lengths, std::span<uint8_t> blocked) const {
+  const glm::vec3 direction = direction_of_lengths * glm::vec3(impl_->per_length);
   LODEN_CHECK_EQ(origins.size(), wanted.size());
   LODEN_CHECK_EQ(origins.size(), blocked.size());
   const float low = float(-impl_->margin), high = float(1 + impl_->margin);
@@ -308,7 +313,7 @@ void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const ui
         std::max(0.0f, (float(kSlack) - start.z) / direction.z);  // negative would read as blocked
     const glm::vec2 end = glm::vec2(start) + length * glm::vec2(direction);
     if (direction.z <= 0 || std::min(end.x, end.y) < low || std::max(end.x, end.y) > high) {
-      blocked[i] = impl_->blocked(glm::dvec3(origins[i]), glm::dvec3(direction));
+      blocked[i] = impl_->blocked(glm::dvec3(origins[i]), glm::dvec3(direction_of_lengths));
       continue;
     }
     rays[count] = makeRay(start, direction, length);
@@ -320,14 +325,15 @@ void TileTracer::occluded(std::span<const glm::vec3> origins, std::span<const ui
 
 namespace {
 
-glm::dvec3 startOfView(glm::dvec2 x, const glm::dvec3& wo) {
-  return glm::dvec3(x, 0) + kStartHeight / wo.z * wo;
+// `along` is wo in tile coordinates.
+glm::dvec3 startOfView(glm::dvec2 x, const glm::dvec3& along) {
+  return glm::dvec3(x, 0) + kStartHeight / along.z * along;
 }
 
 }  // namespace
 
 std::optional<TileHit> TileTracer::intersectView(glm::dvec2 x, const glm::dvec3& wo) const {
-  auto hit = intersect(startOfView(x, wo), -wo);
+  auto hit = intersect(startOfView(x, wo * impl_->per_length), -wo);
   if (hit) hit->t -= kStartHeight / wo.z;
   return hit;
 }
@@ -337,13 +343,14 @@ std::optional<TileHit> TileTracer::intersectView(glm::dvec2 x, const glm::dvec3&
 void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3& wo,
                                 std::span<std::optional<TileHit>> hits) const {
   LODEN_CHECK_EQ(x.size(), hits.size());
+  const glm::dvec3 along = wo * impl_->per_length;
   RTCRayHit rays[kStream];
   std::optional<Impl::Segment> parts[kStream];
   for (size_t first = 0; first < x.size(); first += kStream) {
     const size_t count = std::min(kStream, x.size() - first);
     for (size_t k = 0; k < count; ++k) {
-      parts[k] = impl_->segment(startOfView(x[first + k], wo), -wo);
-      rays[k] = parts[k] ? makeRayHit(parts[k]->origin, -wo, float(parts[k]->length))
+      parts[k] = impl_->segment(startOfView(x[first + k], along), -along);
+      rays[k] = parts[k] ? makeRayHit(parts[k]->origin, -along, float(parts[k]->length))
                          : makeRayHit({}, -wo, -1.0f);  // never active
     }
     RTCIntersectContext context = contextWith(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
@@ -355,7 +362,7 @@ void TileTracer::intersectViews(std::span<const glm::dvec2> x, const glm::dvec3&
         if (parts[k] && !parts[k]->last) hit = intersectView(x[first + k], wo);
         continue;
       }
-      hit = impl_->hitOf(rays[k].hit, *parts[k], startOfView(x[first + k], wo), -wo);
+      hit = impl_->hitOf(rays[k].hit, *parts[k], startOfView(x[first + k], along), -wo);
       hit->t -= kStartHeight / wo.z;
     }
   }

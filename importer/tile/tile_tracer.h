@@ -11,9 +11,10 @@
 
 namespace loden::importer {
 
+// Places are tile coordinates, directions and normals those of lengths (material/model/geometry_image.h).
 struct TileHit {
-  double t = 0;                    // along the ray, tile periods
-  glm::dvec3 position{0};          // tile periods, unwrapped
+  double t = 0;                    // along the ray, of the direction's length, in tile lengths
+  glm::dvec3 position{0};          // unwrapped
   glm::dvec3 normal{0};            // unit, shading, as interpolated (not flipped)
   glm::dvec3 geometric_normal{0};  // unit, towards the ray's origin
   glm::dvec2 p{0};                 // parameter, unwrapped, of the copy that was hit

@@ -4,7 +4,7 @@
 
 #include "importer/base/periodic_noise.h"
 #include "importer/tile/charts.h"
-#include "importer/tile/polygon_mesh.h"
+#include "importer/tile/tile_parts.h"
 #include "material/model/directions.h"
 
 namespace loden::importer {

@@ -25,16 +25,20 @@ glm::dvec3 bentPosition(const AnalyticSurface& surface, const glm::dvec3& tile_p
   return frame.position + tile_position.z * AnalyticSurface::kTilePeriod * frame.normal;
 }
 
-// Normals follow the inverse transpose of the bending's Jacobian, taken by central differences.
+// Normals follow the inverse transpose of the bending's Jacobian, taken by central differences. At a pole,
+// where all of s is one point, it has none, and near it the slightest tilt along s, were it the rounding of a
+// file's normal, would grow without bound: there normals are bent as at a distance.
 glm::dvec3 bentNormal(const AnalyticSurface& surface, const glm::dvec3& position, const glm::dvec3& normal,
                       int row) {
-  constexpr double kStep = 1e-5;  // tile periods
+  constexpr double kStep = 1e-5, kFromPole = 0.02;  // tile periods
+  glm::dvec3 at = position;
+  if (surface.kind == SurfaceKind::kSphere)
+    at.y = std::clamp(at.y + row, kFromPole, surface.tiles.y - kFromPole) - row;
   glm::dmat3 jacobian;
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 step(0);
     step[axis] = kStep;
-    jacobian[axis] =
-        bentPosition(surface, position + step, row) - bentPosition(surface, position - step, row);
+    jacobian[axis] = bentPosition(surface, at + step, row) - bentPosition(surface, at - step, row);
   }
   // The transposed cofactor matrix: the inverse transpose without its division, fit for the poles.
   const glm::dmat3 cofactor(glm::cross(jacobian[1], jacobian[2]), glm::cross(jacobian[2], jacobian[0]),
@@ -48,9 +52,9 @@ glm::dvec3 bentNormal(const AnalyticSurface& surface, const glm::dvec3& position
 
 struct BentTiles::Impl {
   struct Row {
-    std::vector<glm::vec3> positions, normals;
+    std::vector<glm::vec3> positions, normals;  // per vertex of the tile
+    std::vector<glm::uvec3> triangles;
   };
-  std::vector<glm::uvec3> triangles;
   std::vector<LocalBrdf> brdfs;
   std::vector<TileMaterial> materials;
   std::vector<TexturePoint> texture_points;
@@ -72,11 +76,30 @@ struct BentTiles::Impl {
 };
 
 void BentTiles::Impl::bendRows(const Tile& tile, const AnalyticSurface& surface) {
-  for (int r = 0; r < static_cast<int>(surface.tiles.y); ++r) {
+  // A tile may stand in any period, and hang over its borders: each row has those of its triangles that lie
+  // within the surface's rows; at an end by their centres, at a pole, which closes the surface, by any
+  // corner.
+  struct Span {
+    double low, high;
+  };
+  const auto spanOf = [&](const glm::uvec3& t) -> Span {
+    const double a = tile.positions[t.x].y, b = tile.positions[t.y].y, c = tile.positions[t.z].y;
+    if (surface.kind == SurfaceKind::kSphere) return {std::min({a, b, c}), std::max({a, b, c})};
+    return {(a + b + c) / 3, (a + b + c) / 3};
+  };
+  double low = std::numeric_limits<double>::max(), high = -low;
+  for (const glm::uvec3& t : tile.triangles)
+    low = std::min(low, spanOf(t).low), high = std::max(high, spanOf(t).high);
+  const int first = static_cast<int>(std::floor(-high)),
+            last = static_cast<int>(std::ceil(surface.tiles.y - low));
+  for (int r = first; r <= last; ++r) {
     Row row;
+    for (const glm::uvec3& t : tile.triangles)
+      if (spanOf(t).high + r > 0 && spanOf(t).low + r < surface.tiles.y) row.triangles.push_back(t);
+    if (row.triangles.empty()) continue;
     for (size_t v = 0; v < tile.positions.size(); ++v) {
       row.positions.emplace_back(bentPosition(surface, tile.positions[v], r));
-      row.normals.emplace_back(bentNormal(surface, tile.positions[v], tile.normals[v], r));
+      row.normals.emplace_back(bentNormal(surface, tile.positions[v], tile.normals[v] / tile.perLength(), r));
     }
     rows.push_back(std::move(row));
   }
@@ -90,6 +113,7 @@ void BentTiles::Impl::buildColumn() {
     void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                              sizeof(glm::vec3), rows[r].positions.size());
     std::copy(rows[r].positions.begin(), rows[r].positions.end(), static_cast<glm::vec3*>(vertices));
+    const auto& triangles = rows[r].triangles;
     void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                             sizeof(glm::uvec3), triangles.size());
     std::copy(triangles.begin(), triangles.end(), static_cast<glm::uvec3*>(indices));
@@ -120,7 +144,7 @@ void BentTiles::Impl::buildScene(int columns) {
 
 BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
   const Row& row = rows[ray.hit.geomID];
-  const glm::uvec3 triangle = triangles[ray.hit.primID];
+  const glm::uvec3 triangle = row.triangles[ray.hit.primID];
   const double b[3] = {1.0 - ray.hit.u - ray.hit.v, ray.hit.u, ray.hit.v};
   glm::dvec3 position(0), tile_position(0), normal(0), lift(0), diffuse(0), f0(0);
   double specular = 0, exponent = 0, alpha = 0;
@@ -157,7 +181,6 @@ BentHit BentTiles::Impl::hitOf(const RTCRayHit& ray) const {
 
 BentTiles::BentTiles(const Tile& tile, const AnalyticSurface& surface) : impl_(std::make_unique<Impl>()) {
   LODEN_CHECK(impl_->device != nullptr);
-  impl_->triangles = tile.triangles;
   impl_->brdfs = tile.brdfs;
   impl_->materials = tile.materials;
   impl_->texture_points = tile.texture_points;

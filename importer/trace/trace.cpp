@@ -30,7 +30,9 @@ class World {
 class PlaneWorld : public World {
  public:
   PlaneWorld(const Tile& tile, const TraceOptions& options)
-      : tracer_(tile), surface_(analyticSurface(SurfaceKind::kPlane)), bounces_(options.bounces) {
+      : tracer_(tile),
+        surface_(analyticSurface(SurfaceKind::kPlane, tile.aspect)),
+        bounces_(options.bounces) {
     corner_ = surfaceFrame(surface_, {0, 0}).position;
     extent_ = surfaceFrame(surface_, {1, 1}).position - corner_;
   }
@@ -59,7 +61,7 @@ class PlaneWorld : public World {
 class BentWorld : public World {
  public:
   BentWorld(const Tile& tile, const TraceOptions& options)
-      : tiles_(tile, analyticSurface(options.surface)), bounces_(options.bounces) {}
+      : tiles_(tile, analyticSurface(options.surface, tile.aspect)), bounces_(options.bounces) {}
 
   glm::dvec4 radiance(const glm::dvec3& origin, const glm::dvec3& direction,
                       std::span<const LightSample> lights, uint64_t seed) const override {

@@ -35,6 +35,7 @@ struct AssetLimits {
   static constexpr uint32_t kMaxAtlasDirections = 45;  // directions per side; every GL 4.5 has 45 * 45 layers
   static constexpr uint64_t kMaxAtlasWork = kMaxVdimWork;      // to build that atlas
   static constexpr uint64_t kMaxAtlasColumn = kMaxVdimColumn;  // patches per 32nd of a period squared
+  static constexpr uint32_t kMaxAspect = 8;                    // sides of a tile's period to one another
   static constexpr uint32_t kMaxTilePeriods = 4;               // any extent of the tile, and any displacement
   static constexpr uint32_t kMaxLambda = 32;                   // levels of detail
   static constexpr uint32_t kMaxFinerLevels = 8;               // of surface maps, below lambda 0

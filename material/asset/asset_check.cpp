@@ -78,6 +78,11 @@ class MaterialCheck {
            " is not positive");
     header(m_.theta_max > 0 && m_.theta_max < kHalfPi, "theta_max ", m_.theta_max,
            " is not between 0 and pi / 2");
+    header(within(m_.aspect, 1.0 / Limits::kMaxAspect, Limits::kMaxAspect), "aspect ", m_.aspect,
+           " is not in 1 / ", Limits::kMaxAspect, "..", Limits::kMaxAspect);
+    header(std::isfinite(m_.period) && m_.period >= 0, "period ", m_.period, " is not 0 or positive");
+    header(m_.geometry.texels.width == 0 || m_.geometry.aspect == m_.aspect, "aspect ", m_.aspect,
+           " is not the geometry image's, ", m_.geometry.aspect);
     header(m_.name.size() <= Limits::kMaxNameBytes && isText(m_.name, false),
            "name is not UTF-8 text without control characters, of at most ", Limits::kMaxNameBytes, " bytes");
     header(m_.mode != Mode::kSurface || m_.bands.empty(), "a material of mode surface has bands");

@@ -103,6 +103,8 @@ class HeaderReader {
     material.value_scale = in_.f32();
     material.cosine_included = boolean("cosine_included");
     material.theta_max = in_.f32();
+    material.aspect = in_.f32();
+    material.period = in_.f32();
     material.mean = readMean();
     const uint32_t parts = readPartBits();
     material.lights = readDirections("lights");
@@ -229,6 +231,7 @@ class HeaderReader {
   void readMaps(Material& material, uint32_t parts) {
     if ((parts & kPartGeometry) != 0) {
       material.geometry = readGeometry();
+      material.geometry.aspect = material.aspect;
       material.atlas.texels = integer();
       material.atlas.directions = integer();
     }
@@ -297,6 +300,8 @@ std::vector<std::byte> encodeHeader(const Material& material) {
   for (const float value : {material.lambda_min, material.lambda_max, material.value_scale}) out.f32(value);
   out.u32(material.cosine_included ? 1 : 0);
   out.f32(material.theta_max);
+  out.f32(material.aspect);
+  out.f32(material.period);
   writeMean(out, material.mean);
   out.u32(partBits(material));
   writeDirections(out, material.lights);

@@ -207,7 +207,8 @@ void Evaluator::prepareQuality() {
 template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
   if (!material.geometry.identity_parameterization) return T(1);
-  const T slope = std::sqrt(wo.x * wo.x + wo.y * wo.y) / std::max(wo.z, T(std::cos(kThetaMax)));
+  const V2<T> along = V2<T>(periodsPerLength(material.geometry.aspect)) * V2<T>(wo.x, wo.y);
+  const T slope = std::sqrt(glm::dot(along, along)) / std::max(wo.z, T(std::cos(kThetaMax)));
   const T texels =
       T(std::max(material.geometry.range.z, 1e-9f)) * slope * T(material.side) * std::exp2(-lambda);
   return std::clamp(T(4) * texels - T(1), T(0), T(1));

@@ -60,8 +60,14 @@ class Evaluator {
   // of finer near maps; wo unit, wo.z > 0. p is x, without a fetch, where nothing that shows at lambda is
   // read at p.
   template <class T>
+  Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax,
+                 const LocalSurface<T>& surface) const;
+  // On a flat surface without stretch.
+  template <class T>
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup = Lookup::kDefault,
-                 Parallax parallax = Parallax::kFull, const LocalSurface<T>& surface = {}) const;
+                 Parallax parallax = Parallax::kFull) const {
+    return findHit(x, lambda, wo, lookup, parallax, LocalSurface<T>::flat(material_->geometry.aspect));
+  }
 
   // Linear RGB, white Lambert lit from above = 1: pi f_r cos(theta_i), also where the asset's values leave
   // the cosine out; radiance = irradiance * value_scale * this. Not negative: where a fit undershoots black,

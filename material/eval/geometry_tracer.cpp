@@ -123,13 +123,18 @@ int piecesOf(const GeometryImage& image, Interpolation between) {
 struct GeometryTracer::Impl {
   int cells = 0;  // per side
   double z_min = 0;
+  float aspect = 1;
+  glm::dvec3 per_length{1};  // tile coordinates to a tile length
   std::vector<Triangle> triangles;
   std::vector<uint32_t> first;  // CSR over cells
   std::vector<CellReference> references;
   std::vector<CellBounds> bounds;
 
   Impl(const GeometryImage& image, Interpolation between)
-      : cells(std::max(kFewestCells, image.side() / 2)), z_min(image.zMin()) {
+      : cells(std::max(kFewestCells, image.side() / 2)),
+        z_min(image.zMin()),
+        aspect(image.aspect),
+        per_length(periodsPerLength(image.aspect), 1) {
     addTriangles(image, piecesOf(image, between));
     // A surface with large triangles gets larger cells, so that memory stays in proportion.
     while (cells > kFewestCells && countReferences() > 64 * triangles.size()) cells /= 2;
@@ -227,7 +232,8 @@ struct GeometryTracer::Impl {
       });
   }
 
-  // First hit with t in (t_begin, t_end]; marches the cells that the ray crosses (Amanatides and Woo 1987).
+  // All in tile coordinates. First hit with t in (t_begin, t_end]; marches the cells that the ray crosses
+  // (Amanatides and Woo 1987).
   std::optional<TraceHit> march(const glm::dvec3& o, const glm::dvec3& d, double t_begin,
                                 double t_end) const {
     const double infinity = std::numeric_limits<double>::infinity();
@@ -277,8 +283,8 @@ struct GeometryTracer::Impl {
     TraceHit hit;
     hit.p = found->p + best.u * found->p_b + best.v * found->p_c + shift;
     hit.position = o + best.t * d;
-    hit.normal = glm::normalize(glm::cross(found->edge_b, found->edge_c));
-    if (glm::dot(hit.normal, d) > 0) hit.normal = -hit.normal;
+    const glm::dvec3 across = glm::cross(found->edge_b, found->edge_c);
+    hit.normal = glm::normalize(per_length * (glm::dot(across, d) > 0 ? -across : across));
     return hit;
   }
 };
@@ -292,12 +298,17 @@ GeometryTracer& GeometryTracer::operator=(GeometryTracer&&) noexcept = default;
 std::optional<TraceHit> GeometryTracer::traceView(glm::dvec2 x, const glm::dvec3& wo) const {
   LODEN_CHECK_LT(0.0, wo.z);
   const double end = (-impl_->z_min + 1e-6) / wo.z;
-  return impl_->march({x, 0}, -wo, -1e-6 / wo.z, end);
+  return impl_->march({x, 0}, -wo * impl_->per_length, -1e-6 / wo.z, end);
 }
 
 bool GeometryTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction) const {
   LODEN_CHECK_LT(0.0, direction.z);
-  return impl_->march(origin, direction, 1e-9, (1e-6 - origin.z) / direction.z).has_value();
+  return impl_->march(origin, direction * impl_->per_length, 1e-9, (1e-6 - origin.z) / direction.z)
+      .has_value();
+}
+
+float GeometryTracer::aspect() const {
+  return impl_->aspect;
 }
 
 }  // namespace loden

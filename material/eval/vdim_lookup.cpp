@@ -398,7 +398,9 @@ VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const gl
   const glm::vec<2, T> base = glm::floor(x);
   VdimHit<T> hit;
   hit.p = x, hit.position = {x, T(0)};
-  const auto found = tracer.traceView(glm::dvec2(ray.x), glm::dvec3(viewAlong(ray.slope)));
+  // Where texture coordinates are stretched the ray is that of an unstretched tile.
+  const glm::vec<2, T> slope = ray.slope / glm::vec<2, T>(periodsPerLength(tracer.aspect()));
+  const auto found = tracer.traceView(glm::dvec2(ray.x), glm::dvec3(viewAlong(slope)));
   if (!found) return hit;
   hit.converged = true;
   hit.height = T(found->position.z);
@@ -447,6 +449,16 @@ bool VdimMaps::serve(Lookup lookup) const {
   return false;
 }
 
+float VdimMaps::aspect() const {
+  if (atlas) return atlas->geometry.aspect;
+  return tracer ? tracer->aspect() : 1.0f;
+}
+
+template <class T>
+VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo) {
+  return vdimLookup(maps, lookup, x, wo, LocalSurface<T>::flat(maps.aspect()));
+}
+
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
                       const LocalSurface<T>& surface) {
@@ -470,5 +482,7 @@ template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, 
                                    const LocalSurface<float>&);
 template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,
                                     const LocalSurface<double>&);
+template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&);
+template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&);
 
 }  // namespace loden

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "material/model/directions.h"
+#include "material/model/geometry_image.h"
 
 namespace loden {
 namespace {
@@ -32,16 +33,17 @@ std::optional<SurfaceKind> surfaceKindByName(std::string_view name) {
   return std::nullopt;
 }
 
-AnalyticSurface analyticSurface(SurfaceKind kind) {
+AnalyticSurface analyticSurface(SurfaceKind kind, double aspect) {
+  const glm::dvec2 scale = periodsPerLength(aspect);
   switch (kind) {
     case SurfaceKind::kCylinder:
-      return {kind, {24, 16}};
+      return {kind, glm::round(glm::dvec2(24, 16) * scale)};
     case SurfaceKind::kSphere:
-      return {kind, {24, 12}};
+      return {kind, glm::round(glm::dvec2(24, 12) * scale)};
     case SurfaceKind::kPlane:
       break;
   }
-  return {SurfaceKind::kPlane, {16, 16}};
+  return {SurfaceKind::kPlane, glm::dvec2(16, 16) * scale};
 }
 
 SurfaceFrame surfaceFrame(const AnalyticSurface& surface, glm::dvec2 st) {

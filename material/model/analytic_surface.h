@@ -17,13 +17,15 @@ std::optional<SurfaceKind> surfaceKindByName(std::string_view name);
 //   plane     2 m x 2 m around the origin in z = 0, normal +z, s along +x, t along +y, 16 x 16 tiles
 //   cylinder  axis +z through the origin, z in [-1, 1], radius 24 / (8 * 2 pi) m, 24 x 16 tiles, s around
 //   sphere    the same radius, 24 x 12 tiles, s around, t from the south to the north pole
-// so that one tile period is 1/8 m (on the sphere: at the equator).
+// so that one tile period is 1/8 m (on the sphere: at the equator). Tiles whose period is no square are as
+// large: as many more in x as there are fewer in y, in whole numbers around and along curved surfaces.
 struct AnalyticSurface {
   SurfaceKind kind = SurfaceKind::kPlane;
   glm::dvec2 tiles{16, 16};
-  static constexpr double kTilePeriod = 0.125;  // metres
+  static constexpr double kTilePeriod = 0.125;  // metres: a tile length
 };
-AnalyticSurface analyticSurface(SurfaceKind kind);
+// `aspect` of the tile (material/model/geometry_image.h).
+AnalyticSurface analyticSurface(SurfaceKind kind, double aspect = 1);
 
 struct SurfaceFrame {
   glm::dvec3 position, normal;    // metres; unit, outwards

@@ -82,7 +82,8 @@ SurfacePoint<T> surfaceAt(const GeometryImage& image, glm::vec<2, T> p) {
   point.position = glm::mix(glm::mix(patch.p00, patch.p10, f.x), glm::mix(patch.p01, patch.p11, f.x), f.y);
   const auto du = glm::mix(patch.p10 - patch.p00, patch.p11 - patch.p01, f.y);
   const auto dv = glm::mix(patch.p01 - patch.p00, patch.p11 - patch.p10, f.x);
-  const auto normal = glm::cross(du, dv);
+  const auto normal =
+      glm::cross(du, dv) * glm::vec<3, T>(glm::vec<2, T>(periodsPerLength(image.aspect)), T(1));
   const T length = glm::length(normal);
   point.normal = length > 0 ? normal / length : glm::vec<3, T>(0, 0, 1);
   return point;

@@ -2,6 +2,7 @@
 // tracer over it. The bilinear patches between texel centres are the surface that the runtime sees.
 #pragma once
 
+#include <cmath>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
@@ -10,8 +11,18 @@
 
 namespace loden {
 
-// Units are tile periods: the tile repeats with period 1 in x and y, the reference plane is z = 0 at the
-// tile's top, and all of the tile lies in [z_min, 0]. P(p + n) = P(p) + (n, 0) for integer n.
+// A period may be a rectangle, `aspect` times as long in y as in x. Tile coordinates have period 1 in both
+// all the same, and z in tile lengths: the length of a tile is the square root of its period's area. These
+// are the tile coordinates to a tile length along x and y; both are 1 where the period is square. So a length
+// in the plane, and a slope against z, becomes one of tile coordinates by multiplication, and a normal one of
+// lengths.
+inline glm::dvec2 periodsPerLength(double aspect) {
+  const double root = std::sqrt(aspect);
+  return {root, 1 / root};
+}
+
+// Tile coordinates: the tile repeats with period 1 in x and y, the reference plane is z = 0 at the tile's
+// top, and all of the tile lies in [z_min, 0]. P(p + n) = P(p) + (n, 0) for integer n.
 struct GeometryImage {
   // side x side x 1, RGBA16 unorm; texel (i, j) stands for p = ((i + .5), (j + .5)) / side.
   // rgb = (P.xy - p, P.z) as (code - .5) * range.xy for xy and (code - 1) * range.z for z;
@@ -21,6 +32,7 @@ struct GeometryImage {
   glm::vec3 range{1, 1, 1};  // tile periods; range.z = -z_min
   // True if P.xy == p everywhere: the tile is a height field parameterized by its own x and y.
   bool identity_parameterization = false;
+  float aspect = 1;  // Material::aspect
 
   int side() const { return texels.width; }
   bool empty() const { return texels.empty(); }
@@ -49,8 +61,8 @@ inline int wrapIndex(int i, int n) {
 template <class T>
 Patch<T> fetchPatch(const GeometryImage& image, int i, int j);
 
-// Position and unit normal (facing up where it can) at p. Chart 0 if p lies on no patch; then they are those
-// between the texels around it all the same, which lead to the charts beside.
+// Position in tile coordinates and unit normal of lengths (facing up where it can) at p. Chart 0 if p lies on
+// no patch; then they are those between the texels around it all the same, which lead to the charts beside.
 template <class T>
 struct SurfacePoint {
   glm::vec<3, T> position{0}, normal{0, 0, 1};
@@ -63,7 +75,7 @@ SurfacePoint<T> surfaceAt(const GeometryImage& image, glm::vec<2, T> p);
 struct TraceHit {
   glm::dvec2 p{0};         // unwrapped parameter, of the copy that was hit
   glm::dvec3 position{0};  // tile periods, on the ray
-  glm::dvec3 normal{0};    // unit, geometric, towards the ray's origin
+  glm::dvec3 normal{0};    // unit, of lengths, geometric, towards the ray's origin
 };
 
 // The surface between the texels of a geometry image.
@@ -76,7 +88,7 @@ enum class Interpolation {
 inline constexpr int kMostCubicSide = 1024;  // texels; what larger images would take is out of proportion
 
 // Exact first hits against the geometry image, periodic, by marching a grid of cells with height bounds.
-// Thread safe after construction.
+// Places are tile coordinates, directions those of lengths. Thread safe after construction.
 class GeometryTracer {
  public:
   // kCubic: image.side() <= kMostCubicSide.
@@ -89,6 +101,7 @@ class GeometryTracer {
   std::optional<TraceHit> traceView(glm::dvec2 x, const glm::dvec3& wo) const;
   // Any ray; false if nothing stands between origin and the plane z = 0 along direction (direction.z > 0).
   bool occluded(const glm::dvec3& origin, const glm::dvec3& direction) const;
+  float aspect() const;  // of the image
 
  private:
   struct Impl;

@@ -78,6 +78,8 @@ struct Material {
   float value_scale =
       1;  // radiance per unit perpendicular irradiance = value_scale * value; 1/pi for white = 1
   bool cosine_included = true;
+  float aspect = 1;  // of the tile: its period in y to that in x; 1 of a square one
+  float period = 0;  // of the tile in x, metres; 0: nobody has said
   // Beyond this theta tables repeat their last row, and fade with cos(theta) / cos(theta_max) if the cosine
   // is included; radians.
   float theta_max = static_cast<float>(75.0 * kPi / 180.0);

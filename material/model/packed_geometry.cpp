@@ -41,6 +41,7 @@ PackedGeometry packGeometry(const GeometryImage& image) {
   packed.texels = Texture::make(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, n, n, 1);
   packed.range = packedRange(image);
   packed.identity_parameterization = image.identity_parameterization;
+  packed.aspect = image.aspect;
   const auto* texels = reinterpret_cast<const uint16_t*>(image.texels.data.data());
   auto* codes = reinterpret_cast<uint32_t*>(packed.texels.data.data());
   for (int j = 0; j < n; ++j)

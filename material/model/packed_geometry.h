@@ -16,6 +16,7 @@ struct PackedGeometry {
   Texture texels;
   glm::vec3 range{1, 1, 1};  // tile periods; range.xy at most 1, range.z > 0
   bool identity_parameterization = false;
+  float aspect = 1;  // Material::aspect
 
   int side() const { return texels.width; }
 };

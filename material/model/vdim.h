@@ -91,9 +91,15 @@ VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, const F
 Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, const ForEach& for_each = inOrder);
 
 // How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial).
-// Lengths are tile lengths: one tile period where texture coordinates are not stretched.
+// Lengths are tile lengths: the square root of the area that a tile takes on the surface.
 template <class T>
 struct LocalSurface {
+  // A flat one with texture coordinates that stretch no tile of that aspect.
+  static LocalSurface flat(float aspect) {
+    const glm::vec<2, T> scale(periodsPerLength(double(aspect)));
+    return {glm::mat<2, 2, T>(T(0)), glm::mat<2, 2, T>(scale.x, T(0), T(0), scale.y)};
+  }
+
   glm::mat<2, 2, T> curvature{T(0)};  // tilt of the normal per tile length, symmetric, positive if convex
   glm::mat<2, 2, T> x_from_tangent{T(1)};  // tile periods per tile length along the tangent frame
 };
@@ -119,6 +125,7 @@ struct VdimMaps {
   const VdimAtlas* atlas = nullptr;        // kFast, kDefault
   const GeometryTracer* tracer = nullptr;  // kQuality
   bool serve(Lookup lookup) const;
+  float aspect() const;  // of the tile
 };
 
 // What a lookup found. `fetches` counts texture instructions exactly as the shader issues them.
@@ -139,6 +146,9 @@ struct VdimHit {
 // for name (shaders/loden_vdim.glsl).
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                      const LocalSurface<T>& surface = {});
+                      const LocalSurface<T>& surface);
+// On a flat surface without stretch.
+template <class T>
+VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo);
 
 }  // namespace loden

@@ -42,10 +42,11 @@ Mesh analyticMesh(const AnalyticSurface& surface) {
   return mesh;
 }
 
-Scene analyticScene(SurfaceKind kind, const std::filesystem::path& asset, const glm::vec3& to_light) {
+Scene analyticScene(SurfaceKind kind, const std::filesystem::path& asset, const glm::vec3& to_light,
+                    double aspect) {
   Scene scene;
   scene.name = asset.stem().string();
-  scene.meshes.push_back(analyticMesh(analyticSurface(kind)));
+  scene.meshes.push_back(analyticMesh(analyticSurface(kind, aspect)));
   scene.assets.push_back({asset, {}, asset.string()});
   SceneMaterial material;
   material.name = scene.name;

@@ -12,7 +12,8 @@ namespace loden::runtime {
 Mesh analyticMesh(const AnalyticSurface& surface);
 
 // The surface covered with one asset, and a sun of irradiance pi from `to_light` (unit, world): what `loden
-// trace` traces. z is up.
-Scene analyticScene(SurfaceKind kind, const std::filesystem::path& asset, const glm::vec3& to_light);
+// trace` traces. z is up. `aspect` is the asset's.
+Scene analyticScene(SurfaceKind kind, const std::filesystem::path& asset, const glm::vec3& to_light,
+                    double aspect = 1);
 
 }  // namespace loden::runtime

@@ -138,6 +138,7 @@ LodenMaterialData makeMaterialData(const Material& m) {
     data.paper_range = m.stored_vdim->range;
     data.paper_size = {m.stored_vdim->zeniths, m.stored_vdim->azimuths};
   }
+  data.periods_per_length = periodsPerLength(m.aspect);
   data.value_scale = m.value_scale, data.side = float(m.side), data.lambda_max = m.lambda_max;
   if (m.surface) {
     const SurfaceMaps& maps = *m.surface;

@@ -22,7 +22,9 @@ float bandEnd(const Material& material, const Band& band) {
 // quarter of a texel shown or more, at slopes up to 11 (85 degrees); material/model/vdim.h.
 float parallaxEnd(const Material& material) {
   if (!material.geometry.identity_parameterization) return material.lambda_max + 1;
-  const float texels = std::abs(material.geometry.range.z) * float(material.side) * 4 * 11;
+  const glm::dvec2 scale = periodsPerLength(material.aspect);
+  const float texels =
+      std::abs(material.geometry.range.z) * float(material.side) * 4 * 11 * float(std::max(scale.x, scale.y));
   return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
 }
 

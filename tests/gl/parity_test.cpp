@@ -54,8 +54,10 @@ void main() {
   vec3 wi = texelFetch(samples, ivec3(at, 1), 0).xyz, wo = texelFetch(samples, ivec3(at, 2), 0).xyz;
   LodenMaterial m = loden_material_default();
   m.skip_parallax = SKIP_PARALLAX;
+#ifdef CURVATURE
   m.curvature = mat2(CURVATURE);
   m.x_from_tangent = mat2(X_FROM_TANGENT);
+#endif
   LodenHit hit = loden_find_hit_at(m, x.xy, x.z, wo);
   float fetches = float(loden_fetches);  // of the lookup
 #ifdef ENVIRONMENT
@@ -83,8 +85,8 @@ struct Way {
 };
 
 // Convex, with stretched and sheared texture coordinates.
-LocalSurface<float> localSurface(const Way& way) {
-  if (!way.curved) return {};
+LocalSurface<float> localSurface(const Way& way, const Material& material) {
+  if (!way.curved) return LocalSurface<float>::flat(material.geometry.aspect);
   return {glm::mat2(0.3f, 0.05f, 0.05f, 0.2f), glm::mat2(1.2f, 0.1f, -0.05f, 0.9f)};
 }
 std::string matrixText(const glm::mat2& m) {
@@ -162,8 +164,11 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   defines.push_back("MISSED " + std::to_string(kMissed));
   defines.push_back("LODEN_COUNT_FETCHES 1");
   if (way.environment) defines.push_back("ENVIRONMENT 1");
-  defines.push_back("CURVATURE " + matrixText(localSurface(way).curvature));
-  defines.push_back("X_FROM_TANGENT " + matrixText(localSurface(way).x_from_tangent));
+  if (way.curved) {
+    const LocalSurface<float> surface = localSurface(way, material);
+    defines.push_back("CURVATURE " + matrixText(surface.curvature));
+    defines.push_back("X_FROM_TANGENT " + matrixText(surface.x_from_tangent));
+  }
   const auto program =
       compileProgram({"parity.vert", kVertex}, {"parity.frag", kFragment}, defines, "parity");
   EXPECT_TRUE(program.ok()) << (program.ok() ? "" : program.issue().text);
@@ -188,7 +193,8 @@ double difference(const glm::vec3& value, const glm::vec4& gpu) {
 
 // What the shader returns.
 glm::vec3 evaluateAt(const Evaluator& evaluator, const Sample& s, const Way& way) {
-  const Hit<float> hit = evaluator.findHit(s.x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way));
+  const Hit<float> hit = evaluator.findHit(s.x, s.lambda, s.wo, way.lookup, way.parallax,
+                                           localSurface(way, evaluator.material()));
   if (hit.missed) return glm::vec3(kMissed);
   if (way.environment)
     return evaluator.evaluateEnvironment(hit, hemisphereOfEnvironment(hitFrame(hit, glm::mat3(1))), s.wo);
@@ -196,7 +202,9 @@ glm::vec3 evaluateAt(const Evaluator& evaluator, const Sample& s, const Way& way
 }
 
 int fetchesAt(const Evaluator& evaluator, const Sample& s, const Way& way) {
-  return evaluator.findHit(s.x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way)).fetches;
+  return evaluator
+      .findHit(s.x, s.lambda, s.wo, way.lookup, way.parallax, localSurface(way, evaluator.material()))
+      .fetches;
 }
 
 // The smallest difference to the evaluator's values around the sample.

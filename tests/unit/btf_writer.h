@@ -1,6 +1,12 @@
-// Writes Bonn .btf files for tests, from the format's description. Not a product feature.
+// Writes Bonn .btf files for tests, from the formats' description: what follows what, in which order the
+// numbers of a matrix run, and what the fields mean. It shares nothing with the reader that it tests.
+//
+// A file is: the signature; metadata; per view theta, phi, the number of lights and their angles; width and
+// height; where the signature ends in R, rotations; then the kind's own data. Images begin with their top
+// row, which is y = 1.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <glm/glm.hpp>
@@ -18,81 +24,147 @@ struct MemoryBtf {
   int width = 0, height = 0;
   std::vector<glm::vec3> values;
   size_t texels() const { return size_t(width) * height; }
+  size_t pairs() const { return views.samples.size() * lights.samples.size(); }
   const glm::vec3& at(int view, int light, size_t texel) const {
     return values[(size_t(view) * lights.size() + light) * texels() + texel];
   }
 };
 
+// What writers choose. The defaults are those of UBO2014 files where these say something.
+struct BtfFormat {
+  uint8_t scalar_size = 2;                  // half, single or double numbers
+  bool images_stacked = false;              // the left matrix runs over texels, the right one over directions
+  int32_t color_model = 0;                  // DFMF: 0 RGB, 4 YCoCg, 11 log Y, U / Y, V / Y
+  uint32_t more_components[3] = {0, 9, 4};  // DFMF: unused columns of each channel's matrices
+  uint32_t metadata_version = 4;
+  std::vector<std::string> channels = {"R", "G", "B"};
+  uint32_t cosine_flag = 1;
+  double light_rounding = 0;       // added to the angles of the lights of all views but the first, radians
+  uint8_t header_version = 2;      // FMF12: 0 to 2 are known
+  bool legacy = false;             // PVF: the layout without metadata
+  uint8_t compression = 0;         // BDI: 0 full, 1 bzip, 2 sparse
+  uint32_t lines_per_chunk = 4;    // BDI
+  bool last_chunk_filled = false;  // BDI: chunks are all of one size
+  std::vector<size_t> missing;     // BDI: texels that the mask leaves out
+};
+
 class BtfWriter {
  public:
-  explicit BtfWriter(const MemoryBtf& btf) : btf_(btf) {}
+  explicit BtfWriter(const MemoryBtf& btf, BtfFormat format = {}) : btf_(btf), format_(std::move(format)) {}
 
-  // Full rank: one component per column, U = the matrix, SxV = identity, so that only the scalar size loses.
-  std::string dfmf(uint8_t scalar_size) {
-    begin("!DFMF08FCR", 4);
-    rotations();
-    u32(3), u32(0);
+  // Three factorizations, one a channel, each with its own number of components. The number in front of the
+  // colour model is the largest of these, and no number of channels.
+  std::string dfmf() {
+    begin("!DFMF08FCR");
+    uint32_t largest = 0;
+    for (const uint32_t more : format_.more_components) largest = std::max(largest, fullRank() + more);
+    u32(largest), u32(static_cast<uint32_t>(format_.color_model));
     for (int i = 0; i < 3; ++i) f32(0);
     for (int i = 0; i < 9; ++i) f32(i % 4 == 0 ? 1.f : 0.f);
-    for (int c = 0; c < 3; ++c) {
-      factors(scalar_size, rows(),
-              [&](size_t row, size_t t) { return btf_.values[row * btf_.texels() + flipped(t)][c]; });
+    for (int c = 0; c < 3; ++c)
+      factorization(btf_.pairs(), btf_.texels(), fullRank() + format_.more_components[c],
+                    [&](size_t pair, size_t texel) { return decorrelated(value(pair, texel))[c]; });
+    return bytes_;
+  }
+
+  // One factorization; its rows run over channels (fastest) and lights and views, or channels, x and y.
+  std::string fmf() { return fmfBehind("!FMF06FC"); }
+  // The same with the extra header: version, dynamic range (1: logarithms), size and data of a height map.
+  std::string fmf12() {
+    begin("!FMF12FCER");
+    u8(format_.header_version);
+    if (format_.header_version >= 1) u32(1);
+    if (format_.header_version >= 2) {
+      u32(2), u32(3);
+      for (int i = 0; i < 6; ++i) number(0.5, 2);
     }
-    return bytes_;
+    logarithms_ = format_.header_version >= 1;
+    return fmfBehind(nullptr);
   }
 
-  std::string fmf(uint8_t scalar_size) {
-    begin("!FMF06FC", 4);
-    u32(static_cast<uint32_t>(btf_.texels()));
-    factors(scalar_size, rows() * 3, [&](size_t row, size_t t) {
-      return btf_.values[row / 3 * btf_.texels() + flipped(t)][static_cast<int>(row % 3)];
-    });
-    return bytes_;
-  }
-
-  // One component more than needed for texel 0; mean zero, basis per texel.
-  std::string pvf(uint8_t scalar_size) {
-    begin("!PVF06FC", 4);
-    const auto k = static_cast<uint32_t>(btf_.texels());
-    u32(k), u32(k);
-    const size_t dimension = btf_.lights.samples.size() * 3;
+  // Per view: scalar size, components, rows of the weights, rows of the basis; eigenvalues, mean, basis,
+  // weights. The basis' rows run over channels (fastest) and lights, or channels, x and y.
+  std::string pvf() {
+    const auto lights = static_cast<uint32_t>(btf_.lights.size()), texels = u32Of(btf_.texels());
+    const uint32_t components = fullRank(), rows = format_.images_stacked ? texels : lights,
+                   weights = format_.images_stacked ? lights : texels;
+    if (format_.legacy) {
+      bytes_ = "!PVF06FC";
+      u32(301074), u32(components), size(), u32(static_cast<uint32_t>(btf_.views.size()));
+      sampling();
+    } else {
+      begin("!PVF06FC");
+      u32(components), u32(static_cast<uint32_t>(btf_.views.size()));
+    }
+    constexpr double kMean = 0.25;
     for (int v = 0; v < btf_.views.size(); ++v) {
-      bytes_ += static_cast<char>(scalar_size);
-      u32(k), u32(static_cast<uint32_t>(btf_.texels())), u32(static_cast<uint32_t>(dimension));
-      for (uint32_t i = 0; i < k; ++i) number(1, scalar_size);
-      for (size_t i = 0; i < dimension; ++i) number(0, scalar_size);
-      for (size_t row = 0; row < dimension; ++row)
-        for (uint32_t t = 0; t < k; ++t)
-          number(btf_.at(v, static_cast<int>(row / 3), flipped(t))[static_cast<int>(row % 3)], scalar_size);
-      for (size_t t = 0; t < btf_.texels(); ++t)
-        for (uint32_t i = 0; i < k; ++i) number(t == i, scalar_size);
+      u8(format_.scalar_size);
+      u32(components), u32(weights), u32(3 * rows);
+      const auto at = [&](size_t row, size_t column) {
+        const size_t light = format_.images_stacked ? column : row / 3,
+                     texel = format_.images_stacked ? row / 3 : column;
+        return value(size_t(v) * lights + light, texel)[static_cast<int>(row % 3)] - kMean;
+      };
+      for (uint32_t k = 0; k < components; ++k) number(1);
+      for (uint32_t row = 0; row < 3 * rows; ++row) number(kMean);
+      matrix(3 * rows, components, [&](size_t row, size_t k) { return k < weights ? at(row, k) : 0.0; });
+      matrix(weights, components, [](size_t row, size_t k) { return row == k ? 1.0 : 0.0; });
     }
     return bytes_;
   }
 
-  std::string bdi(uint32_t lines_per_chunk) {
-    begin("!BDIF06R2!", 4);
-    u32(lines_per_chunk);
-    bytes_ += '\0';
-    bytes_.append(btf_.texels(), '\1');
-    rotations();
-    for (int line = 0; line < btf_.height; line += static_cast<int>(lines_per_chunk)) {
-      const int lines = std::min<int>(static_cast<int>(lines_per_chunk), btf_.height - line);
-      u32(static_cast<uint32_t>(size_t(lines) * btf_.width * btf_.views.size() * btf_.lights.size() * 3 * 2));
-      for (size_t t = size_t(line) * btf_.width; t < size_t(line + lines) * btf_.width; ++t)
-        for (int v = 0; v < btf_.views.size(); ++v)
-          for (int l = 0; l < btf_.lights.size(); ++l)
-            for (int c = 0; c < 3; ++c) number(btf_.at(v, l, flipped(t))[c], 2);
+  // Scanlines a chunk, compression, mask, rotations, and chunks of whole scanlines with their sizes in bytes.
+  std::string bdi() {
+    begin("!BDIF06R2!");
+    u32(format_.lines_per_chunk), u8(format_.compression);
+    std::string mask(btf_.texels(), '\1');
+    for (const size_t texel : format_.missing) mask[texel] = '\0';
+    bytes_ += mask;
+    u32(0);
+    const auto lines_per_chunk = static_cast<int>(format_.lines_per_chunk);
+    for (int line = 0; line < btf_.height; line += lines_per_chunk) {
+      const int lines = std::min(lines_per_chunk, btf_.height - line);
+      const int written = format_.last_chunk_filled ? lines_per_chunk : lines;
+      const size_t width = static_cast<size_t>(btf_.width);
+      u32(u32Of(static_cast<size_t>(written) * width * btf_.pairs() * 3 * 2));
+      for (size_t texel = size_t(line) * width; texel < size_t(line + written) * width; ++texel)
+        for (size_t pair = 0; pair < btf_.pairs(); ++pair)
+          for (int c = 0; c < 3; ++c)
+            number(texel < size_t(line + lines) * width ? value(pair, texel)[c] : 0.0, 2);
     }
     return bytes_;
   }
-
-  uint32_t cosine_flag = 1;
 
  private:
-  size_t rows() const { return btf_.views.samples.size() * btf_.lights.samples.size(); }
-  size_t flipped(size_t t) const { return (btf_.height - 1 - t / btf_.width) * btf_.width + t % btf_.width; }
+  // A texel counted from the top row; a pair counted view by view, lights fastest.
+  glm::dvec3 value(size_t pair, size_t texel) const {
+    const size_t width = static_cast<size_t>(btf_.width), row = texel / width;
+    const size_t from_below = (static_cast<size_t>(btf_.height) - 1 - row) * width + texel % width;
+    return glm::dvec3(btf_.values[pair * btf_.texels() + from_below]);
+  }
 
+  glm::dvec3 decorrelated(const glm::dvec3& rgb) const {
+    constexpr double kEpsilon = 1e-5;
+    if (format_.color_model == 4) {
+      const glm::dmat3 rgb_from_ycocg(1, 1, 1, 1, 0, -1, -1, 1, -1);  // columns
+      return glm::inverse(rgb_from_ycocg) * rgb;
+    }
+    if (format_.color_model == 11) {
+      const glm::dmat3 rgb_from_yuv(1, 1, 1, 0, -0.39465, 2.03211, 1.13983, -0.5806, 0);  // columns
+      const glm::dvec3 yuv = glm::inverse(rgb_from_yuv) * rgb;
+      return {std::log(yuv.x + kEpsilon), yuv.y / (yuv.x + kEpsilon), yuv.z / (yuv.x + kEpsilon)};
+    }
+    return rgb;
+  }
+
+  static uint32_t u32Of(size_t value) { return static_cast<uint32_t>(value); }
+  // Enough components for any data: those of the right matrix' rows.
+  uint32_t fullRank() const {
+    if (!format_.images_stacked) return u32Of(btf_.texels());
+    return u32Of(std::max(btf_.pairs(), btf_.lights.samples.size()));
+  }
+
+  void u8(uint8_t value) { bytes_ += static_cast<char>(value); }
   void u32(uint32_t value) { bytes_.append(reinterpret_cast<const char*>(&value), 4); }
   void f32(float value) { bytes_.append(reinterpret_cast<const char*>(&value), 4); }
   void number(double value, uint8_t scalar_size) {
@@ -105,48 +177,96 @@ class BtfWriter {
     else
       bytes_.append(reinterpret_cast<const char*>(&value), 8);
   }
+  void number(double value) { number(value, format_.scalar_size); }
 
-  void begin(const char* signature, uint32_t version) {
+  void begin(const std::string& signature) {
     bytes_ = signature;
-    u32(4 + 4 + 240 + 16 + 4 + 4 + 3 + 4 + 3 * 5), u32(version);
-    bytes_.append(240, ' ');
-    for (int i = 0; i < 4; ++i) f32(1);
-    u32(cosine_flag);
-    u32(3), bytes_ += "<x>";
-    u32(3);
-    for (const char* name : {"R", "G", "B"}) u32(1), bytes_ += name;
-    u32(static_cast<uint32_t>(btf_.views.size()));
-    for (const glm::dvec3& wo : btf_.views.samples) {
-      angles(wo);
-      u32(static_cast<uint32_t>(btf_.lights.size()));
-      for (const glm::dvec3& wi : btf_.lights.samples) angles(wi);
-    }
-    u32(static_cast<uint32_t>(btf_.width)), u32(static_cast<uint32_t>(btf_.height));
-  }
-
-  void angles(const glm::dvec3& w) {
-    const Spherical s = sphericalFromDirection(w);
-    f32(static_cast<float>(s.theta)), f32(static_cast<float>(s.phi));
-  }
-
-  void rotations() {
+    metadata();
+    sampling();
+    size();
+    if (!signature.ends_with('R')) return;
     u32(1);
-    for (int i = 0; i < 9; ++i) f32(0);
+    for (int i = 0; i < 9; ++i) f32(i % 4 == 0 ? 1.f : 0.f);
+  }
+
+  void metadata() {
+    const std::string xml = "<measurement/>";
+    const size_t begin = bytes_.size();
+    u32(0);  // its size, counted from here; known at the end
+    u32(format_.metadata_version);
+    for (const char* text : {"dome", "camera", "lamp"}) {
+      std::string field = text;
+      field.resize(80);
+      bytes_ += field;
+    }
+    f32(12.5f);
+    for (int i = 0; i < 3; ++i) f32(1);
+    if (format_.metadata_version > 1) u32(format_.cosine_flag);
+    if (format_.metadata_version > 2) u32(u32Of(xml.size())), bytes_ += xml;
+    if (format_.metadata_version > 3) {
+      u32(u32Of(format_.channels.size()));
+      for (const std::string& channel : format_.channels) u32(u32Of(channel.size())), bytes_ += channel;
+    }
+    const uint32_t bytes = u32Of(bytes_.size() - begin);
+    std::memcpy(bytes_.data() + begin, &bytes, 4);
+  }
+
+  void sampling() {
+    u32(static_cast<uint32_t>(btf_.views.size()));
+    for (int v = 0; v < btf_.views.size(); ++v) {
+      angles(btf_.views.samples[v], 0);
+      u32(static_cast<uint32_t>(btf_.lights.size()));
+      for (const glm::dvec3& wi : btf_.lights.samples) angles(wi, v > 0 ? format_.light_rounding : 0);
+    }
+  }
+  void angles(const glm::dvec3& w, double rounding) {
+    const Spherical s = sphericalFromDirection(w);
+    f32(static_cast<float>(s.theta + rounding)), f32(static_cast<float>(s.phi - rounding));
+  }
+  void size() { u32(static_cast<uint32_t>(btf_.width)), u32(static_cast<uint32_t>(btf_.height)); }
+
+  std::string fmfBehind(const char* signature) {
+    if (signature) begin(signature);
+    u32(fullRank());
+    const size_t rows = btf_.pairs(), columns = btf_.texels();
+    factorization(
+        3 * (format_.images_stacked ? columns : rows), format_.images_stacked ? rows : columns, fullRank(),
+        [&](size_t row, size_t column) {
+          const size_t pair = format_.images_stacked ? column : row / 3,
+                       texel = format_.images_stacked ? row / 3 : column;
+          const double v = value(pair, texel)[static_cast<int>(row % 3)];
+          return logarithms_ ? std::log(v + 1e-5) : v;
+        },
+        false);
+    return bytes_;
   }
 
   template <class Value>
-  void factors(uint8_t scalar_size, size_t row_count, const Value& value) {
-    const auto k = static_cast<uint32_t>(btf_.texels());
-    bytes_ += static_cast<char>(scalar_size);
-    u32(k), u32(static_cast<uint32_t>(row_count)), u32(k);
-    for (uint32_t i = 0; i < k; ++i) number(1, scalar_size);
-    for (size_t row = 0; row < row_count; ++row)
-      for (uint32_t i = 0; i < k; ++i) number(value(row, i), scalar_size);
-    for (uint32_t col = 0; col < k; ++col)
-      for (uint32_t i = 0; i < k; ++i) number(col == i, scalar_size);
+  void matrix(size_t rows, uint32_t components, const Value& value) {
+    for (size_t row = 0; row < rows; ++row)
+      for (uint32_t k = 0; k < components; ++k) number(value(row, k));
+  }
+
+  // Scalar size, components, rows, columns, singular values, U, and V with the singular values in it. Here U
+  // is the matrix itself and V the identity, so that nothing but the scalar size loses; columns of U beyond
+  // those of the matrix meet zeros.
+  template <class Value>
+  void factorization(size_t rows, size_t columns, uint32_t components, const Value& value,
+                     bool may_turn = true) {
+    const bool turned = may_turn && format_.images_stacked;
+    if (turned) std::swap(rows, columns);
+    u8(format_.scalar_size);
+    u32(components), u32(u32Of(rows)), u32(u32Of(columns));
+    for (uint32_t k = 0; k < components; ++k) number(1);
+    matrix(rows, components, [&](size_t row, size_t k) {
+      return k >= columns ? 0.7 : turned ? value(k, row) : value(row, k);
+    });
+    matrix(columns, components, [](size_t column, size_t k) { return column == k ? 1.0 : 0.0; });
   }
 
   const MemoryBtf& btf_;
+  BtfFormat format_;
+  bool logarithms_ = false;
   std::string bytes_;
 };
 

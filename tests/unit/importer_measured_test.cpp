@@ -17,6 +17,7 @@ namespace loden::importer {
 namespace {
 
 namespace fs = std::filesystem;
+using test::BtfFormat;
 using test::BtfWriter;
 using test::MemoryBtf;
 
@@ -70,51 +71,186 @@ void expectSame(const BtfSource& source, const MemoryBtf& btf, float tolerance) 
   }
 }
 
-TEST(BtfFile, EveryKind_ComesBackWithinItsPrecision) {
+void expectReads(const std::string& bytes, const MemoryBtf& btf, float tolerance, const char* what) {
+  SCOPED_TRACE(what);
   const TemporaryFolder folder;
+  const auto source = openBytes(folder, bytes);
+  ASSERT_TRUE(source.ok()) << source.issue().text;
+  expectSame(**source, btf, tolerance);
+}
+
+// The message must hold `text`.
+void expectRefused(const std::string& bytes, int id, const std::string& text) {
+  const TemporaryFolder folder;
+  const auto source = openBytes(folder, bytes);
+  ASSERT_FALSE(source.ok()) << text;
+  EXPECT_EQ(source.issue().id, id) << source.issue().text;
+  EXPECT_NE(source.issue().text.find(text), std::string::npos) << source.issue().text;
+  EXPECT_NE(source.issue().where.find("x.btf"), std::string::npos);
+}
+
+constexpr float kHalf = 1.0f / 2048, kSingle = 1e-6f;  // a half has 11 bits below 1
+
+TEST(BtfFile, EveryKind_ComesBackWithinItsPrecision) {
   const MemoryBtf btf = makeBtf(3, 4, 7);
-  BtfWriter writer(btf);
-  const float half = 1.0f / 2048, single = 1e-6f;  // half has 11 bits below 1
-  for (const auto& [bytes, tolerance] : {std::pair{writer.dfmf(2), half},
-                                         {writer.dfmf(4), single},
-                                         {writer.dfmf(8), single},
-                                         {writer.fmf(2), half},
-                                         {writer.fmf(4), single},
-                                         {writer.pvf(4), single},
-                                         {writer.bdi(4), half},
-                                         {writer.bdi(3), half}}) {
-    const auto source = openBytes(folder, bytes);
+  const auto written = [&](BtfFormat format) { return BtfWriter(btf, std::move(format)); };
+  for (const auto& [scalar_size, tolerance] :
+       {std::pair<uint8_t, float>{2, kHalf}, {4, kSingle}, {8, kSingle}})
+    for (const bool stacked : {false, true}) {
+      BtfFormat format;
+      format.scalar_size = scalar_size;
+      format.images_stacked = stacked;
+      expectReads(written(format).dfmf(), btf, tolerance, "DFMF");
+      expectReads(written(format).fmf(), btf, tolerance, "FMF");
+      expectReads(written(format).pvf(), btf, 2 * tolerance, "PVF");  // the mean is rounded, too
+      format.legacy = true;
+      expectReads(written(format).pvf(), btf, 2 * tolerance, "legacy PVF");
+    }
+}
+
+// Logarithms of values above .02 are at most 4 in size: a half has an error of 1/1024 there.
+TEST(BtfFile, DynamicRange_IsRestored) {
+  const MemoryBtf btf = makeBtf(3, 4, 7);
+  for (const uint8_t version : {uint8_t{1}, uint8_t{2}}) {
+    BtfFormat format;
+    format.header_version = version;
+    expectReads(BtfWriter(btf, format).fmf12(), btf, 1.0f / 1024, "FMF12");
+  }
+}
+
+TEST(BtfFile, ChannelsOfADfmf_HaveTheirOwnNumbersOfComponents) {
+  const MemoryBtf btf = makeBtf(2, 4, 7);
+  BtfFormat format;
+  format.more_components[0] = 0, format.more_components[1] = 8, format.more_components[2] = 32;  // 8, 16, 40
+  expectReads(BtfWriter(btf, format).dfmf(), btf, kHalf, "8, 16 and 40 components");
+}
+
+TEST(BtfFile, ColourModels_ComeBack) {
+  const MemoryBtf btf = makeBtf(3, 4, 7);
+  for (const int32_t model : {0, 4, 11}) {
+    BtfFormat format;
+    format.color_model = model;
+    format.scalar_size = 4;
+    expectReads(BtfWriter(btf, format).dfmf(), btf, 4e-6f, "model");
+  }
+  BtfFormat format;
+  format.color_model = 2;
+  expectRefused(BtfWriter(btf, format).dfmf(), issue_id::kVersion, "colour model 2, Lab");
+}
+
+// What the files of UBO2014 are: 151 x 151 directions, halves, model 11, the cosine in them.
+TEST(BtfFile, FileLikeThoseOfUbo2014_IsReadWithItsDirections) {
+  MemoryBtf btf;
+  btf.lights = btf.views = ubo151Directions();
+  btf.width = btf.height = 2;
+  for (int v = 0; v < 151; ++v)
+    for (int l = 0; l < 151; ++l)
+      for (int t = 0; t < 4; ++t) {
+        const auto cosine = static_cast<float>(btf.lights.samples[l].z);
+        btf.values.push_back(cosine * glm::vec3(.4f, .3f, .2f) * (1 + .1f * std::sin(float(v + t))));
+      }
+  BtfFormat format;
+  format.color_model = 11;
+  const TemporaryFolder folder;
+  const auto source = openBytes(folder, BtfWriter(btf, format).dfmf());
+  ASSERT_TRUE(source.ok()) << source.issue().text;
+  EXPECT_EQ((*source)->lights().kind, DirectionSetKind::kUbo151);
+  EXPECT_EQ((*source)->views().kind, DirectionSetKind::kUbo151);
+  EXPECT_EQ((*source)->cosineFlag(), CosineFlag::kIncluded);
+  expectSame(**source, btf, 1.0f / 1024);
+  const auto check = checkReciprocity(**source, 2);
+  ASSERT_TRUE(check.ok());
+  EXPECT_TRUE(check->decisive() && check->cosineIncluded()) << check->slope;
+}
+
+TEST(BtfFile, Bdi_IsReadFullOrSparse_AndRefusedByTheNameOfWhatIsUnknown) {
+  const MemoryBtf btf = makeBtf(3, 4, 7);
+  BtfFormat format;
+  for (const uint8_t compression : {uint8_t{0}, uint8_t{2}})
+    for (const uint32_t lines : {4u, 3u, 1u})
+      for (const bool filled : {false, true}) {
+        format.compression = compression;
+        format.lines_per_chunk = lines;
+        format.last_chunk_filled = filled;
+        expectReads(BtfWriter(btf, format).bdi(), btf, kHalf, "BDI");
+      }
+  format.missing = {5, 7};
+  expectRefused(BtfWriter(btf, format).bdi(), issue_id::kVersion,
+                "mask leaves out 2 of 12 texels, the first at (2, 1)");
+  format.missing = {};
+  format.compression = 1;
+  expectRefused(BtfWriter(btf, format).bdi(), issue_id::kVersion, "compressed by bzip");
+}
+
+TEST(BtfFile, LightsRewrittenForEachView_MayDifferByRoundingOnly) {
+  const MemoryBtf btf = makeBtf(2, 2, 7);
+  BtfFormat format;
+  format.light_rounding = 3e-7;
+  expectReads(BtfWriter(btf, format).dfmf(), btf, kHalf, "rounding");
+  format.light_rounding = 1e-2;
+  expectRefused(BtfWriter(btf, format).dfmf(), issue_id::kVersion, "view 1 has another light 0 than view 0");
+}
+
+TEST(BtfFile, WhatIsNotUnderstood_IsRefusedByName) {
+  const MemoryBtf btf = makeBtf(2, 2, 3);
+  BtfFormat format;
+  format.channels = {"400", "500", "600", "700"};
+  expectRefused(BtfWriter(btf, format).fmf(), issue_id::kVersion, "4 channels (400, 500, 600, 700)");
+  format.channels = {"Y"};
+  expectRefused(BtfWriter(btf, format).dfmf(), issue_id::kVersion, "DFMF of 1 channels");
+  format = {};
+  format.header_version = 3;
+  expectRefused(BtfWriter(btf, format).fmf12(), issue_id::kVersion, "version 3 of the FMF12 header");
+}
+
+TEST(BtfFile, OldMetadata_HasNoFlagAndNoNames) {
+  const MemoryBtf btf = makeBtf(2, 2, 3);
+  for (const uint32_t version : {1u, 2u, 3u}) {
+    BtfFormat format;
+    format.metadata_version = version;
+    format.cosine_flag = 0;
+    const TemporaryFolder folder;
+    const auto source = openBytes(folder, BtfWriter(btf, format).dfmf());
     ASSERT_TRUE(source.ok()) << source.issue().text;
-    expectSame(**source, btf, tolerance);
-    EXPECT_EQ((*source)->cosineFlag(), CosineFlag::kIncluded);
+    EXPECT_EQ((*source)->cosineFlag(), version > 1 ? CosineFlag::kNotIncluded : CosineFlag::kUnknown);
   }
 }
 
 TEST(BtfFile, KnownDirections_AreRecognised) {
   const TemporaryFolder folder;
   const MemoryBtf btf = makeBtf(1, 1, 81);
-  const auto source = openBytes(folder, BtfWriter(btf).dfmf(4));
+  const auto source = openBytes(folder, BtfWriter(btf).dfmf());
   ASSERT_TRUE(source.ok()) << source.issue().text;
   EXPECT_EQ((*source)->lights().kind, DirectionSetKind::kBonn81);
+}
+
+std::vector<std::string> oneOfEachKind(const MemoryBtf& btf) {
+  BtfFormat legacy;
+  legacy.legacy = true;
+  BtfFormat filled;
+  filled.last_chunk_filled = true, filled.lines_per_chunk = 3;
+  return {BtfWriter(btf).dfmf(),       BtfWriter(btf).fmf(), BtfWriter(btf).fmf12(),
+          BtfWriter(btf).pvf(),        BtfWriter(btf).bdi(), BtfWriter(btf, legacy).pvf(),
+          BtfWriter(btf, filled).bdi()};
 }
 
 TEST(BtfFile, CutAtAnyByte_IsRefused) {
   const TemporaryFolder folder;
   const MemoryBtf btf = makeBtf(2, 2, 3);
-  BtfWriter writer(btf);
-  for (const std::string& bytes : {writer.dfmf(2), writer.fmf(2), writer.pvf(2), writer.bdi(2)}) {
-    for (size_t length = 0; length < bytes.size(); length += length < 700 ? 1 : 7)
+  size_t step = 1;  // every byte of one kind; the others have most of their front in common
+  for (const std::string& bytes : oneOfEachKind(btf)) {
+    for (size_t length = 0; length < bytes.size(); length += step)
       EXPECT_FALSE(openBytes(folder, bytes.substr(0, length)).ok()) << length;
     EXPECT_FALSE(openBytes(folder, bytes + "x").ok());
+    step = 13;
   }
 }
 
 TEST(BtfFile, AnyChangedByteInFront_IsRefusedOrReadWithoutCrash) {
   const TemporaryFolder folder;
   const MemoryBtf btf = makeBtf(2, 2, 3);
-  BtfWriter writer(btf);
-  for (const std::string& bytes : {writer.dfmf(2), writer.fmf(2), writer.pvf(2), writer.bdi(2)})
-    for (size_t at = 0; at < bytes.size(); at += at < 600 ? 1 : 11)
+  for (const std::string& bytes : oneOfEachKind(btf))
+    for (size_t at = 0; at < bytes.size(); at += at < 32 ? 1 : at < 270 ? 40 : at < 600 ? 1 : 11)
       for (const char flip : {'\xff', '\x80'}) {
         std::string changed = bytes;
         changed[at] = static_cast<char>(changed[at] ^ flip);
@@ -127,7 +263,7 @@ TEST(BtfFile, NotANumber_IsRefusedByTheCookWithItsPlaceOrRepaired) {
   const TemporaryFolder folder;
   MemoryBtf btf = makeBtf(4, 4, 3);
   btf.values[btf.texels()].x = std::nanf("");  // view 0, light 1, texel 0
-  auto source = openBytes(folder, BtfWriter(btf).bdi(2));
+  auto source = openBytes(folder, BtfWriter(btf).bdi());
   ASSERT_TRUE(source.ok());
   CookOptions options;
   options.mode = Mode::kLod;
@@ -158,6 +294,10 @@ TEST(BtfColor, Models_GiveKnownValues) {
   EXPECT_NEAR(color.rgb({std::log(0.5 + 1e-5), 0.2, 0}).z, 0.5 + 0.2 * (0.5 + 1e-5) * 2.03211, 1e-9);
   color.model = btf::ColorModel::kLogRgb;
   EXPECT_NEAR(color.rgb(glm::dvec3(std::log(0.3 + 1e-5))).y, 0.3, 1e-12);
+  color.model = btf::ColorModel::kLogYuv;
+  EXPECT_NEAR(color.rgb({std::log(0.5 + 1e-5), 0, -std::log(0.1 / 1e-5)}).x, 0.5 - 0.1 * 1.13983, 1e-9);
+  color.model = btf::ColorModel::kYCoCg;
+  EXPECT_NEAR(glm::distance(color.rgb({0.5, 0.1, 0.2}), glm::dvec3(0.4, 0.7, 0.2)), 0, 1e-12);
   EXPECT_FALSE(btf::isSupported(2));
 }
 
@@ -271,7 +411,18 @@ TEST(Reciprocity, WithCosine_AddsItOnceAndSaysWhenTheFlagIsWrong) {
     ASSERT_TRUE(source.ok());
     expectSame(**source, with, 1e-6f);
     EXPECT_EQ(note.find("flag says otherwise") != std::string::npos, cosine) << note;
+    EXPECT_EQ(note.find("gamma"), std::string::npos) << note;
   }
+}
+
+// Linear values that are decoded as if they were sRGB have about twice the slope.
+TEST(Reciprocity, WrongGamma_IsNamed) {
+  MemoryBtf btf = reciprocalBtf(true);
+  for (glm::vec3& value : btf.values) value = glm::pow(value, glm::vec3(2.2f));
+  std::string note;
+  ASSERT_TRUE(withCosine(std::make_unique<MemorySource>(btf), CosineFlag::kUnknown, 2, note).ok());
+  EXPECT_NE(note.find("gamma"), std::string::npos) << note;
+  EXPECT_NE(note.find("sRGB"), std::string::npos) << note;
 }
 
 }  // namespace

@@ -161,6 +161,30 @@ TEST(TileTexture, BentTilesShowTheSame) {
   EXPECT_GT(std::min(red, green), 5);
 }
 
+// A tile of a glTF file stands one period below that of an OBJ file, and its normals are rounded.
+TEST(BentTiles, CoverCurvedSurfacesFromPoleToPoleWhereverTheTileStands) {
+  Tile tile = *load(checkerTile());
+  for (const double period : {-3.0, -1.0, -0.5, 0.0, 2.0}) {
+    Tile moved = tile;
+    for (glm::dvec3& p : moved.positions) p.y += period;
+    for (glm::dvec3& n : moved.normals) n = glm::normalize(n + glm::dvec3(1e-8, 1e-8, 0));
+    for (const SurfaceKind kind : {SurfaceKind::kSphere, SurfaceKind::kCylinder}) {
+      if (kind == SurfaceKind::kCylinder && period == -0.5) continue;  // its ends would cut the two triangles
+      const AnalyticSurface surface = analyticSurface(kind);
+      const BentTiles tiles(moved, surface);
+      for (int k = 0; k <= 60; ++k) {
+        const SurfaceFrame frame = surfaceFrame(surface, {0.2137, (k + 0.01) / 60.02});
+        const auto hit = tiles.intersect(frame.position + frame.normal, -frame.normal);
+        ASSERT_TRUE(hit) << period << ", " << k;
+        EXPECT_LT(glm::distance(hit->normal, frame.normal), 0.02) << period << ", " << k;
+      }
+      if (kind == SurfaceKind::kCylinder) {  // and not beyond its ends
+        EXPECT_FALSE(tiles.intersect({-1, 0, 1.07}, {1, 0, 0}));
+      }
+    }
+  }
+}
+
 TEST(TileTexture, IsBilinearInLinearLight) {
   Json json = checkerTile(Json::object());
   expectColor(colorBelow(json, {0.25, 0.3}), kRed);

@@ -308,6 +308,10 @@ TEST(AssetIssues, HeaderField) {
                          [](Material& m) { m.value_scale = 0; },
                          [](Material& m) { m.value_scale = kInfinity; },
                          [](Material& m) { m.theta_max = 2; },
+                         [](Material& m) { m.aspect = m.geometry.aspect = 0; },
+                         [](Material& m) { m.aspect = m.geometry.aspect = 9; },
+                         [](Material& m) { m.period = -1; },
+                         [](Material& m) { m.period = kInfinity; },
                          [](Material& m) { m.mean.ks = kNan; },
                          [](Material& m) { m.mean.alpha = -1; },
                          [](Material& m) { m.mean.chroma = static_cast<MeanChroma>(2); },
@@ -430,6 +434,7 @@ TEST(AssetIssues, SurfaceTornEverywhere) {
     Material material = test::surfaceMaterial();
     material.geometry =
         encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), identity);
+    material.geometry.aspect = material.aspect;
     material.atlas = {};
     return material;
   };
@@ -519,6 +524,7 @@ TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
       {"kMaxFinerLevels", Limits::kMaxFinerLevels},
       {"kMaxSpecular", Limits::kMaxSpecular},
       {"kMaxGeometrySide", Limits::kMaxGeometrySide},
+      {"kMaxAspect", Limits::kMaxAspect},
       {"kMaxTilePeriods", Limits::kMaxTilePeriods},
       {"kMaxAtlasTexels", Limits::kMaxAtlasTexels},
       {"kMaxAtlasDirections", Limits::kMaxAtlasDirections},

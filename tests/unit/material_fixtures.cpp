@@ -168,6 +168,8 @@ Texture noiseTexture(TexelFormat format, TextureShape shape, int width, int heig
 Material surfaceMaterial() {
   Material material = plainMaterial(Mode::kSurface, "surface");
   material.geometry = smallGeometry();
+  material.aspect = material.geometry.aspect = 0.75f;
+  material.period = 0.02f;
   material.atlas = {24, 18};
   PaperVdim vdim;
   vdim.side = kSide;
@@ -263,6 +265,9 @@ void expectSame(const Material& a, const Material& b) {
   EXPECT_EQ(a.value_scale, b.value_scale);
   EXPECT_EQ(a.cosine_included, b.cosine_included);
   EXPECT_EQ(a.theta_max, b.theta_max);
+  EXPECT_EQ(a.aspect, b.aspect);
+  EXPECT_EQ(a.geometry.aspect, b.geometry.aspect);
+  EXPECT_EQ(a.period, b.period);
   EXPECT_EQ(a.mean.ka, b.mean.ka);
   EXPECT_EQ(a.mean.kd, b.mean.kd);
   EXPECT_EQ(a.mean.ks, b.mean.ks);

@@ -80,6 +80,7 @@ class Listing {
     line("levels", bits({m.lambda_min, m.lambda_max}));
     line("value_scale", bits({m.value_scale}), m.cosine_included ? 1 : 0);
     line("theta_max", bits({m.theta_max}));
+    line("tile", bits({m.aspect, m.period}));
     const PhongMean& mean = m.mean;
     line("mean", bits({mean.ka, mean.kd, mean.ks, mean.alpha, mean.cb, mean.cr}), number(mean.chroma));
     listDirections("lights", m.lights);

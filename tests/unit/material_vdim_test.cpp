@@ -80,6 +80,47 @@ TEST(GeometryImage, PatchesDoNotBridgeCharts) {
   EXPECT_EQ(fetchPatch<float>(image, 6, 2).chart, 0u);  // into the gutter
 }
 
+// Every lookup finds the point where the ray of lengths meets the wave, whatever the period's aspect.
+TEST(VdimOnRectangles, HitsLieOnTheRayOfLengthsAndOnTheSurface) {
+  for (const float aspect : {0.5f, 1.6f}) {
+    GeometryImage image = waveImage(96, 0.15, 0);
+    image.aspect = aspect;
+    const VdimAtlas atlas = buildVdimAtlas(image, {});
+    const GeometryTracer tracer(image, Interpolation::kCubic);
+    const VdimMaps maps{.paper = nullptr, .atlas = &atlas, .tracer = &tracer};
+    const glm::dvec2 length(1 / std::sqrt(aspect), std::sqrt(aspect));  // of a period
+    for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault, Lookup::kQuality}) {
+      int off = 0;
+      for (const View& view : randomViews(300, 70)) {
+        const auto hit = vdimLookup<double>(maps, lookup, view.x, view.wo);
+        const glm::dvec2 moved = (glm::dvec2(hit.position) - view.x) * length;
+        EXPECT_NEAR(moved.x, view.wo.x / view.wo.z * hit.position.z, 1e-9);
+        EXPECT_NEAR(moved.y, view.wo.y / view.wo.z * hit.position.z, 1e-9);
+        const double surface = wavePoint(glm::dvec2(hit.position), 0.15, 0).z;
+        // The first hit: nothing of the wave stands over the ray before it.
+        bool first = std::abs(surface - hit.position.z) < 3e-3;
+        for (double s = 0.02; s < 0.98; s += 0.02) {
+          const glm::dvec2 at = view.x + s * (glm::dvec2(hit.position) - view.x);
+          first = first && wavePoint(at, 0.15, 0).z < s * hit.position.z + 3e-3;
+        }
+        off += !first;
+      }
+      EXPECT_LE(off, lookup == Lookup::kQuality ? 0 : 12);
+    }
+    for (const View& view : randomViews(100, 70)) {
+      const auto hit = tracer.traceView(view.x, view.wo);
+      ASSERT_TRUE(hit);
+      const auto point = surfaceAt(image, hit->p);
+      // The wave's slope along x, in lengths.
+      const double slope = 0.15 / 2 * kTau * 2 * std::sin(kTau * 2 * hit->p.x) / length.x;
+      EXPECT_NEAR(point.normal.x / point.normal.z, slope, 0.08);
+      EXPECT_NEAR(glm::length(point.normal), 1, 1e-9);
+      EXPECT_GT(glm::dot(hit->normal, point.normal), 0.99);
+      EXPECT_FALSE(tracer.occluded(hit->position + glm::dvec3(0, 0, 1e-6), view.wo));
+    }
+  }
+}
+
 TEST(PackedGeometry, KeepsPositionsWithinItsSteps) {
   const GeometryImage image = waveImage(64, 0.1, 0.2);
   const PackedGeometry packed = packGeometry(image);

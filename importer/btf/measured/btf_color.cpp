@@ -12,7 +12,7 @@ glm::dvec3 rgbFromYuv(const glm::dvec3& yuv) {
 }
 
 double signedExp(double x) {
-  return std::copysign(std::exp(std::abs(x) + std::log(kEpsilon)), x);
+  return x == 0 ? 0 : std::copysign(std::exp(std::abs(x) + std::log(kEpsilon)), x);
 }
 
 }  // namespace
@@ -22,13 +22,27 @@ bool isSupported(int32_t model) {
     case ColorModel::kRgb:
     case ColorModel::kYuv:
     case ColorModel::kPca:
+    case ColorModel::kYCoCg:
     case ColorModel::kLogY:
-    case ColorModel::kLogAll:
+    case ColorModel::kLogYuv:
     case ColorModel::kLogYuvRatio:
     case ColorModel::kLogRgb:
       return true;
   }
   return false;
+}
+
+std::string colorModelName(int32_t model) {
+  switch (model) {
+    case 2:
+      return "Lab";
+    case 5:
+      return "spectral";
+    case 6:
+      return "linear spectral";
+    default:
+      return "which is unknown";
+  }
 }
 
 glm::dvec3 ColorTransform::rgb(const glm::dvec3& s) const {
@@ -43,10 +57,12 @@ glm::dvec3 ColorTransform::rgb(const glm::dvec3& s) const {
         for (int column = 0; column < 3; ++column) out[column] += s[row] * matrix[row * 3 + column];
       return out;
     }
+    case ColorModel::kYCoCg:
+      return {s.x + s.y - s.z, s.x + s.z, s.x - s.y - s.z};
     case ColorModel::kLogY:
       return rgbFromYuv({std::exp(s.x) - kEpsilon, s.y, s.z});
-    case ColorModel::kLogAll:
-      return rgbFromYuv({signedExp(s.x), signedExp(s.y), signedExp(s.z)});
+    case ColorModel::kLogYuv:
+      return rgbFromYuv({std::exp(s.x) - kEpsilon, signedExp(s.y), signedExp(s.z)});
     case ColorModel::kLogYuvRatio: {
       const double y = std::exp(s.x) - kEpsilon;
       return rgbFromYuv({y, s.y * (y + kEpsilon), s.z * (y + kEpsilon)});

@@ -8,7 +8,8 @@ namespace loden::importer {
 
 // Refuses, with the place in the file, whatever is not exactly this format: a wrong signature, counts whose
 // products do not fit the file's length (in 64 bit, before anything is allocated), light lists that differ
-// between views, values that are not finite where they are read.
+// between views by more than rounding. What the format allows and this reader does not know is refused by its
+// name: spectral channels, Lab, compressed chunks, texels that a mask leaves out.
 Result<std::unique_ptr<MeasuredSource>> openBtfFile(const std::filesystem::path& path);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// The parts that all kinds of .btf files share. Internal to importer/measured.
+// The parts that all kinds of .btf files share. Internal to importer/btf/measured.
 #pragma once
 
 #include <string>
@@ -21,9 +21,11 @@ struct Signature {
 struct Header {
   Signature signature{};
   CosineFlag cosine = CosineFlag::kUnknown;
-  uint32_t channels = 3;
+  uint32_t channels = 3;  // 1 (grey) or 3 (red, green, blue)
   DirectionSet lights, views;
   uint32_t width = 0, height = 0;
+  bool legacy = false;      // the PVF layout that has no metadata
+  uint32_t view_slots = 0;  // of that layout: its number of factored views
   size_t texels() const { return size_t(width) * height; }
 };
 
@@ -34,9 +36,15 @@ struct Limits {
   static constexpr uint32_t kMaxChannels = 16;
 };
 
+// The file contradicts itself or its format.
 Issue brokenFile(const std::string& name, const std::string& text);
+// The file ends at the place named: it is a part of a file.
+Issue cutShort(const std::string& name, const std::string& place);
+// The file may be sound, but holds what this reader does not know.
+Issue unsupported(const std::string& name, const std::string& text);
 
-// Reads up to and including width and height; the cursor stands behind them.
+// Reads everything in front of the kind's own data; the cursor stands behind it. The rotations of a BDI
+// follow its mask and are left to its reader.
 Result<Header> readHeader(asset::ByteCursor& cursor, const std::string& name);
 // Skips the block of rotations, if the signature announces one.
 Status skipRotations(asset::ByteCursor& cursor, const Header& header, const std::string& name);
@@ -55,8 +63,9 @@ class Numbers {
   std::span<const std::byte> bytes_;
   uint8_t scalar_size_ = 0;
 };
-// The next rows x cols numbers; an issue if the file is shorter.
+// The next rows x cols numbers; an issue if the file is shorter. `where` names the block in messages. Both
+// counts must be below 2^32.
 Result<Numbers> readNumbers(asset::ByteCursor& cursor, uint64_t rows, uint64_t cols, uint8_t scalar_size,
-                            const std::string& name);
+                            const std::string& name, const std::string& where);
 
 }  // namespace loden::importer::btf

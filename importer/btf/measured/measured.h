@@ -30,6 +30,8 @@ struct Reciprocity {
   // Far enough from the middle, with enough pairs, to decide.
   bool decisive() const { return pairs >= 20 && (slope < 0.35 || slope > 0.65); }
   bool cosineIncluded() const { return slope > 0.5; }
+  // False where neither a BRDF nor one with the cosine would be so: the values have a wrong gamma, say.
+  bool plausible() const { return pairs < 20 || (slope > -0.5 && slope < 1.5); }
 };
 Result<Reciprocity> checkReciprocity(const BtfSource& source, int threads);
 

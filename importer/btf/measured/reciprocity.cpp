@@ -93,13 +93,18 @@ Result<std::unique_ptr<BtfSource>> withCosine(std::unique_ptr<BtfSource> source,
   if (!check) return check.issue();
   const bool flag_says = flag != CosineFlag::kNotIncluded;
   const bool included = check->decisive() ? check->cosineIncluded() : flag_says;
-  char text[300];
+  char text[200];
   std::snprintf(
       text, sizeof text,
       "reciprocity slope %.2f over %d pairs (1: values contain cos(theta_light), 0: they do not): %s",
       check->slope, check->pairs,
       check->decisive() ? (included ? "contained" : "not contained, multiplied in") : "undecided");
   note = text;
+  if (!check->plausible())
+    note +=
+        ". WARNING: a measured surface has a slope near 0 or 1. A slope near 2 comes of a wrong gamma: "
+        "values stored linearly in 8-bit images, which are decoded as sRGB. Store them as EXR or HDR, "
+        "which are taken as linear";
   if (check->decisive() && flag != CosineFlag::kUnknown && flag_says != included)
     note += "; the header's flag says otherwise";
   if (!check->decisive())

@@ -136,10 +136,11 @@ void makeUnit(std::vector<glm::dvec3>& normals) {
 // the mean of two that cancel.
 void completeNormals(Tile& tile) {
   const auto same = weldVertices(tile.positions, {1, 1, 0}, 1e-6);
+  const glm::dvec3 per_length = tile.perLength();
   std::vector<glm::dvec3> sum(tile.positions.size(), glm::dvec3(0));
   for (const glm::uvec3& t : tile.triangles) {
-    const glm::dvec3 face =
-        glm::cross(tile.positions[t.y] - tile.positions[t.x], tile.positions[t.z] - tile.positions[t.x]);
+    const glm::dvec3 face = per_length * glm::cross(tile.positions[t.y] - tile.positions[t.x],
+                                                    tile.positions[t.z] - tile.positions[t.x]);
     for (int k = 0; k < 3; ++k) sum[same[t[k]]] += face;
   }
   for (size_t v = 0; v < tile.normals.size(); ++v) {
@@ -171,8 +172,8 @@ bool showsItsFront(const Tile& tile) {
 Status checkNormals(const Tile& tile, const std::string& where) {
   size_t against = 0;
   for (const glm::uvec3& t : tile.triangles) {
-    const glm::dvec3 front =
-        glm::cross(tile.positions[t.y] - tile.positions[t.x], tile.positions[t.z] - tile.positions[t.x]);
+    const glm::dvec3 front = tile.perLength() * glm::cross(tile.positions[t.y] - tile.positions[t.x],
+                                                           tile.positions[t.z] - tile.positions[t.x]);
     against += glm::dot(front, tile.normals[t.x] + tile.normals[t.y] + tile.normals[t.z]) < 0;
   }
   if (2 * against <= tile.triangles.size()) return {};
@@ -225,6 +226,7 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
   if (!origin) return origin.issue();
   Tile tile;
   tile.name = path.stem().string();
+  tile.aspect = mesh->aspect;
   tile.triangles = triangulate(*mesh);
   tile.positions = std::move(mesh->positions);
   tile.normals = std::move(mesh->normals);

@@ -12,6 +12,7 @@
 #include "importer/mesh/weld.h"
 #include "importer/tile/charts.h"
 #include "material/base/issues.h"
+#include "material/model/geometry_image.h"
 
 namespace loden::importer {
 namespace {
@@ -45,41 +46,59 @@ std::optional<glm::dvec3> periodAlong(const PolygonMesh& mesh, int axis) {
 
 // How the file's coordinates become a tile's: p = uv with its axes swapped or flipped to run along x and y.
 struct Lattice {
-  double period = 1;  // of the file's units
+  glm::dvec2 period{1};  // of the file's units
   bool swap = false;
   glm::dvec2 flip{1, 1};
 };
+
+// Sides that are equal but for rounding are equal.
+Result<glm::dvec2> checkedPeriod(const glm::dvec2& period, const std::string& where) {
+  if (std::abs(period.y - period.x) <= 10 * kMatch * period.x) return glm::dvec2(period.x);
+  const double longer = std::max(period.x, period.y), shorter = std::min(period.x, period.y);
+  if (longer <= kMostAspect * shorter) return period;
+  return refuse(issue_id::kTileGeometry, where,
+                "the period is " + std::to_string(period.x) + " x " + std::to_string(period.y) +
+                    ", and no side may be more than " + std::to_string(int(kMostAspect)) +
+                    " times the other; repeat the tile along its shorter side");
+}
+
+// What positions in the file are divided by to be tile coordinates: the period, and in z a tile length.
+glm::dvec3 unitOf(const glm::dvec2& period) {
+  return {period, period.x == period.y ? period.x : std::sqrt(period.x * period.y)};
+}
 
 // u, v: the steps of P from one period to the next.
 Result<Lattice> latticeOf(const glm::dvec3& u, const glm::dvec3& v, const std::string& where) {
   Lattice lattice;
   lattice.swap = std::abs(u.x) < std::abs(u.y);
   const glm::dvec3 x = lattice.swap ? v : u, y = lattice.swap ? u : v;
-  lattice.period = std::abs(x.x);
+  lattice.period = glm::abs(glm::dvec2(x.x, y.y));
   lattice.flip = glm::sign(glm::dvec2(x.x, y.y));
   const double off = std::max({std::abs(x.y), std::abs(x.z), std::abs(y.x), std::abs(y.z)});
-  if (lattice.period == 0 || off > 10 * kMatch * lattice.period)
+  const double least = std::min(lattice.period.x, lattice.period.y);
+  if (least == 0 || off > 10 * kMatch * least)
     return refuse(issue_id::kTileUv, where,
                   "u and v do not run along the tile's sides: the tile must lie flat (xz plane in glTF, xy "
                   "plane in OBJ) with its sides along the axes");
-  if (std::abs(std::abs(y.y) - lattice.period) > 10 * kMatch * lattice.period)
-    return refuse(issue_id::kTileGeometry, where,
-                  "the period is not square (" + std::to_string(lattice.period) + " x " +
-                      std::to_string(std::abs(y.y)) + "); repeat or scale the tile until it is");
+  const auto period = checkedPeriod(lattice.period, where);
+  if (!period) return period.issue();
+  lattice.period = *period;
   return lattice;
 }
 
-// Period 1, parameters along x and y, the surface centred over its parameters.
+// Tile coordinates, parameters along x and y, the surface centred over its parameters.
 void applyLattice(const Lattice& lattice, PolygonMesh& mesh, MeshName& name) {
+  const glm::dvec3 unit = unitOf(lattice.period);
+  mesh.aspect = lattice.period.y / lattice.period.x;
   glm::dvec2 centre(0);
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    mesh.positions[v] /= lattice.period;
+    mesh.positions[v] /= unit;
     if (lattice.swap) std::swap(mesh.uvs[v].x, mesh.uvs[v].y);
     mesh.uvs[v] *= lattice.flip;
     centre += (glm::dvec2(mesh.positions[v]) - mesh.uvs[v]) / double(mesh.positions.size());
   }
   for (glm::dvec3& position : mesh.positions) position -= glm::dvec3(centre, 0);
-  name.unit = lattice.period, name.origin = {centre * lattice.period, 0};
+  name.unit = unit, name.origin = {centre * lattice.period, 0};
 }
 
 // One point of the surface for each p. Upright walls, which have no area there, are none of p's.
@@ -99,21 +118,20 @@ Status checkFolds(const PolygonMesh& mesh, const MeshName& name) {
                     " more): spread them, or leave texture coordinates out, and they are made");
 }
 
-// Period 1 at the origin, for a mesh whose texture coordinates do not say what its period is.
+// Tile coordinates at the origin, for a mesh whose texture coordinates do not say what its period is.
 Status scaleToPeriod(PolygonMesh& mesh, MeshName& name) {
   const auto period = findPeriod(mesh.positions, triangulate(mesh), name.file);
   if (!period) return period.issue();
-  if (std::abs(period->x - period->y) > 10 * kMatch * period->x)
-    return refuse(issue_id::kTileGeometry, name.file,
-                  "the period is not square (" + std::to_string(period->x) + " x " +
-                      std::to_string(period->y) + "); repeat or scale the tile until it is");
+  const auto checked = checkedPeriod(*period, name.file);
+  if (!checked) return checked.issue();
   glm::dvec2 low(1e300), high(-1e300);
   for (const glm::dvec3& p : mesh.positions)
     low = glm::min(low, glm::dvec2(p)), high = glm::max(high, glm::dvec2(p));
   // By whole periods, so that what is near the origin stays in place: rays are of single precision.
-  const glm::dvec3 away(glm::floor((low + high) / (2 * period->x)), 0);
-  for (glm::dvec3& p : mesh.positions) p = p / period->x - away;
-  name.unit = period->x, name.origin = away * period->x;
+  const glm::dvec3 away(glm::floor((low + high) / (2.0 * *checked)), 0), unit = unitOf(*checked);
+  for (glm::dvec3& p : mesh.positions) p = p / unit - away;
+  mesh.aspect = checked->y / checked->x;
+  name.unit = unit, name.origin = away * unit;
   return {};
 }
 
@@ -121,7 +139,12 @@ Status refine(PolygonMesh& mesh, int subdivide, const std::string& where) {
   if (subdivide == 0) return {};
   auto refined = subdivideMesh(mesh, {1, 1}, subdivide, where);
   if (!refined) return refined.issue();
+  refined->aspect = mesh.aspect;
   mesh = std::move(*refined);
+  // Of tile coordinates as yet.
+  const glm::dvec3 per_length(periodsPerLength(mesh.aspect), 1);
+  if (mesh.aspect != 1)
+    for (glm::dvec3& normal : mesh.normals) normal = glm::normalize(normal * per_length);
   return {};
 }
 
@@ -129,6 +152,7 @@ Status refine(PolygonMesh& mesh, int subdivide, const std::string& where) {
 // a triangle.
 void takeCharts(const ChartedMesh& charted, const std::vector<glm::uvec3>& triangles, PolygonMesh& mesh) {
   PolygonMesh split;
+  split.aspect = mesh.aspect;
   const bool textured = !mesh.texture_points.empty();
   const auto add = [&](size_t v, uint32_t source) {
     split.positions.push_back(charted.positions[v]), split.uvs.push_back(charted.params[v]);
@@ -177,7 +201,7 @@ Result<ParamOrigin> makeParams(PolygonMesh& mesh, const MeshName& name) {
         (made.issue().id != issue_id::kTileGeometry && eulerNumber(nodes, triangles, *neighbours) == 0))
       return made.issue();
   }
-  const auto charted = segmentMesh(mesh.positions, triangles, name);
+  const auto charted = segmentMesh(mesh.positions, triangles, name, mesh.aspect);
   if (!charted) return charted.issue();
   takeCharts(*charted, triangles, mesh);
   return ParamOrigin::kCharts;

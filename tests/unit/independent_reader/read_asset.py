@@ -114,6 +114,7 @@ def read_head(head):
     print("levels", head.bits(2))
     print("value_scale", head.bits(1), head.u32())
     print("theta_max", head.bits(1))
+    print("tile", head.bits(2))
     print("mean", head.bits(6), head.u32())
     parts = head.u32()
     read_directions(head, "lights")

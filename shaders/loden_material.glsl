@@ -18,11 +18,14 @@
 //   radiance += irradiance * loden_material.value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
 
-#include "loden_bands.glsl"
-#include "loden_directions.glsl"
-#include "loden_interface.glsl"
+// In the order in which they need each other.
+// clang-format off
 #include "loden_shared.h"
+#include "loden_interface.glsl"
+#include "loden_directions.glsl"
 #include "loden_vdim.glsl"
+#include "loden_bands.glsl"
+// clang-format on
 
 // Footprint of a pixel on the reference plane -> lambda. Reads the minor axis, or half the major one if that
 // is longer: blur along a stretched footprint is bounded, and so is aliasing.

@@ -1,4 +1,5 @@
 // How a surface answers to light: radiance = irradiance * surfaceRadiance. One of two.
+#include "scene_interface.glsl"
 
 // Screen-space derivatives of a mesh, in its tangent frame: of position (metres) and unit normal; and how far
 // away it is (metres).

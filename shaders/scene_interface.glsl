@@ -7,3 +7,8 @@ layout(std140, binding = SCENE_BLOCK_FRAME) uniform SceneFrameBlock {
 layout(std140, binding = SCENE_BLOCK_OBJECT) uniform SceneObjectBlock {
   SceneObject object;
 };
+#ifdef SCENE_BASE
+layout(std140, binding = SCENE_BLOCK_BASE_MATERIAL) uniform SceneBaseMaterialBlock {
+  SceneBaseMaterial base_material;
+};
+#endif

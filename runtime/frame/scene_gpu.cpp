@@ -29,9 +29,10 @@ SceneMaterial materialOf(const Scene& scene, const Instance& instance) {
   return instance.material >= 0 ? scene.materials[instance.material] : SceneMaterial{};
 }
 
-Object makeObject(const Scene& scene, const Instance& instance) {
+Object makeObject(const Scene& scene, const Instance& instance, const BaseMaterials& base_materials) {
   const SceneMaterial material = materialOf(scene, instance);
   Object object;
+  object.base_material = base_materials.indexOf(instance);
   object.mesh = instance.mesh;
   object.bounds = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
   object.mirrored = glm::determinant(glm::mat3(instance.world_from_local)) < 0;
@@ -47,12 +48,13 @@ Object makeObject(const Scene& scene, const Instance& instance) {
 }
 
 // A mesh has one material, so that its vertices can carry tile coordinates.
-std::vector<GpuMesh> uploadMeshes(const Scene& scene) {
+std::vector<GpuMesh> uploadMeshes(const Scene& scene, const GlBuffer& defaults) {
   std::vector<FlatBtfBinding> bindings(scene.meshes.size());
   for (const Instance& instance : scene.instances)
     bindings[instance.mesh] = materialOf(scene, instance).flat_btf.value_or(FlatBtfBinding{});
   std::vector<GpuMesh> meshes;
-  for (size_t i = 0; i < scene.meshes.size(); ++i) meshes.push_back(uploadMesh(scene.meshes[i], bindings[i]));
+  for (size_t i = 0; i < scene.meshes.size(); ++i)
+    meshes.push_back(uploadMesh(scene.meshes[i], bindings[i], defaults));
   return meshes;
 }
 
@@ -105,10 +107,11 @@ SceneObject objectData(const Object& object, const SceneMaterial& material,
   SceneObject data{};
   data.world_from_local = world_from_local;
   data.normal_from_local = glm::mat4(normalMatrix(glm::mat3(world_from_local)));
-  data.base_color_metallic = glm::vec4(glm::vec3(material.base_color), material.metallic);
-  data.emissive_roughness = glm::vec4(material.emissive, material.roughness);
+  // Of an emissive texture a Loden material shows nothing, and the factor alone would glow all over.
+  if (material.texture(TextureRole::kEmissive).image < 0) data.emissive = glm::vec4(material.emissive, 0);
   data.tile = glm::vec4(1 / object.periods_per_metre, 0, 0, 0);
   data.flags = {object.double_sided ? SCENE_DOUBLE_SIDED : 0, 0, object.mirrored ? -1 : 1, 0};
+  if (material.flat_btf) data.flags.x |= SCENE_DERIVE_TANGENTS;
   return data;
 }
 
@@ -129,18 +132,18 @@ void uploadObjects(const Scene& scene, GpuScene& gpu) {
 }  // namespace
 
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials) {
-  GpuScene gpu;
+  GpuScene gpu{BaseMaterials(scene), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, {}, {}, 0};
   auto assets = loadAssets(scene, materials);
   if (!assets) return assets.issue();
   gpu.assets = std::move(assets.value());
   for (const Instance& instance : scene.instances) {
-    gpu.objects.push_back(makeObject(scene, instance));
+    gpu.objects.push_back(makeObject(scene, instance, gpu.base_materials));
     const Bounds& box = gpu.objects.back().bounds;
     gpu.bounds = gpu.objects.size() == 1
                      ? box
                      : Bounds{glm::min(gpu.bounds.min, box.min), glm::max(gpu.bounds.max, box.max)};
   }
-  gpu.meshes = uploadMeshes(scene);
+  gpu.meshes = uploadMeshes(scene, gpu.default_attributes);
   addLights(scene, device, gpu);
   uploadObjects(scene, gpu);
   return gpu;

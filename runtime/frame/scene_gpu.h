@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/frame/base_materials.h"
 #include "runtime/frame/frame_shadow.h"
 #include "runtime/frame/mesh_gpu.h"
 #include "runtime/gl/device.h"
@@ -20,6 +21,7 @@ namespace loden::runtime {
 struct Object {
   int mesh = 0;                 // index into GpuScene::meshes
   int asset = -1;               // index into GpuScene::assets; -1: drawn with its base material
+  int base_material = 0;        // of GpuScene::base_materials
   float periods_per_metre = 1;  // of its UVs
   bool curved = false;          // or with stretched UVs: the lookup follows it
   Bounds bounds;                // world
@@ -55,6 +57,8 @@ struct Asset {
 };
 
 struct GpuScene {
+  BaseMaterials base_materials;
+  GlBuffer default_attributes;
   std::vector<GpuMesh> meshes;
   std::vector<Object> objects;
   std::vector<Asset> assets;

@@ -1,5 +1,6 @@
 #include "sample_game/world.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "material/base/issues.h"
@@ -27,7 +28,7 @@ glm::dvec3 upOf(const Options& options) {
 }
 
 Result<Scene> makeScene(const Options& options) {
-  if (options.asset.empty()) return loadGltfScene(options.scene);
+  if (options.asset.empty()) return loadGltfScene(options.scene, {options.variant});
   const glm::dvec2 light = options.light.value_or(glm::dvec2(30, 0));
   const Spherical direction{light.x * kPi / 180, light.y * kPi / 180};
   Scene scene = analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)));
@@ -69,6 +70,21 @@ Camera overview(const Scene& scene) {
   const double distance = double(all.radius()) / std::sin(camera.fov_degrees * kPi / 360);
   camera.position = camera.target + glm::normalize(glm::dvec3(0.35, 0.3, 1)) * std::max(distance, 1e-3);
   return camera;
+}
+
+// Index of the animation that is asked for; -1: none.
+Result<int> chooseAnimation(const Options& options, const Scene& scene) {
+  const int count = static_cast<int>(scene.animations.size());
+  if (options.animation == "none") return -1;
+  if (options.animation.empty()) return count > 0 ? 0 : -1;
+  std::string names;
+  for (int i = 0; i < count; ++i) {
+    if (options.animation == scene.animations[size_t(i)].name || options.animation == std::to_string(i))
+      return i;
+    names += (i > 0 ? ", " : "") + scene.animations[size_t(i)].name;
+  }
+  return Issue{issue_id::kOption, Severity::kError, options.scene.string(),
+               "has no animation " + options.animation + "; there are: " + (count > 0 ? names : "none")};
 }
 
 CameraPath standingAt(const Camera& camera) {
@@ -125,8 +141,18 @@ FrameSettings frameSettings(const Options& options) {
 
 }  // namespace
 
+std::optional<Camera> World::animate(double seconds, double first) {
+  if (animation < 0) return {};
+  const SceneAnimation& moving = scene.animations[size_t(animation)];
+  const double at = moving.duration > 0 ? std::fmod(first + seconds, moving.duration) : 0;
+  const ScenePose pose = poseAt(scene, &moving, at);
+  renderer->pose(scene, pose);
+  if (scene_camera < 0) return {};
+  return cameraFromScene(cameraAt(scene.cameras[size_t(scene_camera)], pose));
+}
+
 Result<World> makeWorld(const Options& options) {
-  const Result<Scene> scene = makeScene(options);
+  Result<Scene> scene = makeScene(options);
   if (!scene) return scene.issue();
   for (const Issue& note : scene->notes) printIssue(note);
   if (scene->assets.empty() && !options.quiet)
@@ -134,6 +160,9 @@ Result<World> makeWorld(const Options& options) {
                  options.scene.c_str());
   FrameSettings settings = frameSettings(options);
   if (Status status = setEnvironment(options, *scene, settings); !status) return status.issue();
+  const Result<int> animation = chooseAnimation(options, *scene);
+  if (!animation) return animation.issue();
+  const bool own_camera = options.script.empty() && options.camera.empty() && !scene->cameras.empty();
   Result<CameraPath> path = makePath(options, *scene);
   if (!path) return path.issue();
 
@@ -148,8 +177,10 @@ Result<World> makeWorld(const Options& options) {
   if (!materials) return materials.issue();
   auto renderer = FrameRenderer::create(**device, *shaders, **materials, *scene);
   if (!renderer) return renderer.issue();
+  for (SceneImage& image : scene->images) image.pixels = {};
   return World{std::move(device).value(),   std::move(shaders),  std::move(materials).value(),
-               std::move(renderer).value(), std::move(settings), std::move(path.value())};
+               std::move(renderer).value(), std::move(settings), std::move(path.value()),
+               std::move(scene.value()),    *animation,          own_camera ? 0 : -1};
 }
 
 }  // namespace loden::walk

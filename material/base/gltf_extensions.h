@@ -17,7 +17,8 @@ constexpr bool isSupportedGltfExtension(std::string_view name) {
 
 // Those that a scene may require: the runtime draws them, or what is drawn does not depend on them. `loden
 // validate` accepts the same.
-inline constexpr std::array<std::string_view, 13> kDrawnGltfExtensions{"EXT_texture_webp",
+inline constexpr std::array<std::string_view, 15> kDrawnGltfExtensions{"EXT_mesh_gpu_instancing",
+                                                                       "EXT_texture_webp",
                                                                        "KHR_lights_punctual",
                                                                        "KHR_materials_clearcoat",
                                                                        "KHR_materials_emissive_strength",
@@ -25,6 +26,7 @@ inline constexpr std::array<std::string_view, 13> kDrawnGltfExtensions{"EXT_text
                                                                        "KHR_materials_sheen",
                                                                        "KHR_materials_specular",
                                                                        "KHR_materials_unlit",
+                                                                       "KHR_materials_variants",
                                                                        "KHR_mesh_quantization",
                                                                        "KHR_texture_transform",
                                                                        "KHR_xmp",

@@ -22,7 +22,7 @@ namespace {
 constexpr int kUnits = SCENE_UNIT_SHADOW + 1;
 constexpr int kUniformBindings = SCENE_BLOCK_BASE_MATERIAL + 1;
 
-// The relief in the sun's shadow map. Neither sun nor objects move: nothing else changes it.
+// The relief in the sun's shadow map, which a new pose makes void.
 struct ShadowRelief {
   bool shown = false;     // else all objects are as their meshes are, and the rest is as here
   uint64_t revision = 0;  // MaterialSystem::reliefRevision
@@ -451,6 +451,10 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
                                              {},
                                              {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
+}
+
+void FrameRenderer::pose(const Scene& scene, const ScenePose& pose) {
+  if (poseScene(scene, pose, impl_->scene)) impl_->shadow_drawn.reset();
 }
 
 void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {

@@ -12,6 +12,7 @@
 #include "material/model/environment.h"
 #include "runtime/gl/device.h"
 #include "runtime/gl/material/material_system.h"
+#include "runtime/scene/animation.h"
 #include "runtime/scene/camera.h"
 #include "runtime/scene/reflections.h"
 #include "runtime/scene/scene.h"
@@ -87,6 +88,9 @@ class FrameRenderer {
   FrameRenderer(const FrameRenderer&) = delete;
   FrameRenderer& operator=(const FrameRenderer&) = delete;
 
+  // Moves nodes, skins, morph targets, lights and what hangs on them. The scene must be the one that was
+  // given to create(), but for its images, which may be gone. Leaves GL state as it was.
+  void pose(const Scene& scene, const ScenePose& pose);
   // Finds what the view sees and demands its materials. No GL call.
   void prepare(const View& view, const FrameSettings& settings);
   // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of

@@ -100,7 +100,8 @@ GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding, const GlBuff
   const auto index_bytes = std::as_bytes(std::span(mesh.indices));
   GpuMesh gpu;
   gpu.index_count = static_cast<int>(mesh.indices.size());
-  gpu.vertices = makeBuffer(vertex_bytes.size(), vertex_bytes, 0, mesh.name + " vertices");
+  gpu.vertices =
+      makeBuffer(vertex_bytes.size(), vertex_bytes, GL_DYNAMIC_STORAGE_BIT, mesh.name + " vertices");
   gpu.indices = makeBuffer(index_bytes.size(), index_bytes, 0, mesh.name + " indices");
   gpu.array = makeVertexArray(mesh.name);
   const GLuint array = gpu.array.name();
@@ -118,6 +119,12 @@ GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding, const GlBuff
   addStream(array, 6, gpu.colors, sizeof(glm::u16vec4), GL_UNSIGNED_SHORT, defaults,
             offsetof(DefaultAttributes, color));
   return gpu;
+}
+
+void moveVertices(const Mesh& mesh, const FlatBtfBinding& binding, const GpuMesh& gpu) {
+  const std::vector<GpuVertex> vertices = gpuVertices(mesh, binding);
+  glNamedBufferSubData(gpu.vertices.name(), 0, GLsizeiptr(vertices.size() * sizeof(GpuVertex)),
+                       vertices.data());
 }
 
 }  // namespace loden::runtime

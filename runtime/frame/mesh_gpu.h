@@ -20,5 +20,7 @@ struct GpuMesh {
 // rotation(scale * uv) less a whole number of periods near the mesh's own, in double precision, so that huge
 // UV offsets cost nothing; tangents run along x.x.
 GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding, const GlBuffer& defaults);
+// New positions, normals and tangents of the mesh that was uploaded.
+void moveVertices(const Mesh& mesh, const FlatBtfBinding& binding, const GpuMesh& gpu);
 
 }  // namespace loden::runtime

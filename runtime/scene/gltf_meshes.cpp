@@ -1,4 +1,6 @@
 // Meshes: one scene mesh per triangle primitive.
+#include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "runtime/scene/gltf_reader.h"
@@ -7,7 +9,7 @@
 namespace loden::runtime::gltf {
 namespace {
 
-constexpr size_t kMaxVertices = size_t(1) << 26;  // per mesh
+constexpr size_t kMaxVertices = size_t(1) << 26;  // of a scene
 
 int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto found = primitive.attributes.find(name);
@@ -20,7 +22,8 @@ bool isStripOrFan(const tinygltf::Primitive& primitive) {
 
 // Null: glTF's default material.
 const SceneMaterial* materialOf(const Reader& reader, const tinygltf::Primitive& primitive) {
-  return primitive.material >= 0 ? &reader.scene.materials[size_t(primitive.material)] : nullptr;
+  const int index = materialIndex(reader, primitive);
+  return index >= 0 ? &reader.scene.materials[size_t(index)] : nullptr;
 }
 
 // The UV set that the primitive's tangents follow.
@@ -138,6 +141,73 @@ Status readColors(const Reader& reader, const tinygltf::Primitive& primitive, co
   return {};
 }
 
+constexpr size_t kMaxTargets = 1024;  // per mesh
+constexpr size_t kJointSets = 2;      // JOINTS_0 and JOINTS_1
+
+// Of JOINTS_n and WEIGHTS_n; weights are scaled to sum to 1.
+Status readInfluences(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+                      Mesh& mesh) {
+  for (size_t set = 0; set < kJointSets; ++set) {
+    const std::string number = std::to_string(set);
+    const auto joints = readAttribute(reader, primitive, "JOINTS_" + number, 4, place, mesh);
+    if (!joints) return joints.issue();
+    const auto weights = readAttribute(reader, primitive, "WEIGHTS_" + number, 4, place, mesh);
+    if (!weights) return weights.issue();
+    if (joints->empty() || weights->empty()) break;
+    mesh.influences.resize(mesh.vertices.size());
+    for (size_t i = 0; i < joints->size(); ++i) {
+      Influences& influences = mesh.influences[i / 4];
+      influences.joints[4 * set + i % 4] = static_cast<uint16_t>(std::clamp((*joints)[i], 0.0f, 65535.0f));
+      influences.weights[4 * set + i % 4] = std::max((*weights)[i], 0.0f);
+    }
+  }
+  for (Influences& influences : mesh.influences) {
+    const float sum = std::accumulate(influences.weights.begin(), influences.weights.end(), 0.0f);
+    if (sum > 0)
+      for (float& weight : influences.weights) weight /= sum;
+    else
+      influences.weights[0] = 1;
+  }
+  return {};
+}
+
+// Three numbers per vertex that a morph target adds to an attribute; nothing if it does not.
+Result<std::vector<glm::vec3>> readDeltas(const Reader& reader, const std::map<std::string, int>& target,
+                                          const std::string& name, const std::string& place, size_t count) {
+  std::vector<glm::vec3> deltas;
+  const auto found = target.find(name);
+  if (found == target.end()) return deltas;
+  const auto values = readFloats(reader, found->second, 3, place + "." + name);
+  if (!values) return values.issue();
+  if (values->size() != 3 * count)
+    return reader.issue(issue_id::kGltfAccessor, place + "." + name, "has not as many elements as vertices");
+  for (size_t i = 0; i < values->size(); i += 3)
+    deltas.emplace_back((*values)[i], (*values)[i + 1], (*values)[i + 2]);
+  return deltas;
+}
+
+Status readTargets(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
+                   Mesh& mesh) {
+  if (primitive.targets.size() > kMaxTargets ||
+      primitive.targets.size() * mesh.vertices.size() > kMaxVertices)
+    return reader.issue(issue_id::kGltfAccessor, place, "has too many morph targets");
+  for (size_t k = 0; k < primitive.targets.size(); ++k) {
+    MorphTarget target;
+    const auto read = [&](const char* name, std::vector<glm::vec3>& deltas) -> Status {
+      auto values = readDeltas(reader, primitive.targets[k], name, place + "." + at("targets", k),
+                               mesh.vertices.size());
+      if (!values) return values.issue();
+      deltas = *std::move(values);
+      return {};
+    };
+    if (Status status = read("POSITION", target.positions); !status) return status;
+    if (Status status = read("NORMAL", target.normals); !status) return status;
+    if (Status status = read("TANGENT", target.tangents); !status) return status;
+    mesh.targets.push_back(std::move(target));
+  }
+  return {};
+}
+
 // glTF's tangents belong to TEXCOORD_0 of normal maps, whose v runs downwards.
 Status readTangents(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
                     Mesh& mesh) {
@@ -187,12 +257,14 @@ Status readPrimitive(Reader& reader, size_t mesh_index, size_t index) {
   if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1 && !isStripOrFan(primitive))
     return reader.note(issue_id::kGltfAccessor, place, "is made of points or lines, and is not drawn"),
            Status();
-  if (primitive.material < -1 || primitive.material >= static_cast<int>(reader.scene.materials.size()))
+  const int material = materialIndex(reader, primitive);
+  if (material < -1 || material >= static_cast<int>(reader.scene.materials.size()))
     return reader.issue(issue_id::kGltfAccessor, place, "material does not exist");
 
   Mesh mesh;
   mesh.name = source.name;
-  for (auto* read : {&readPositions, &readTriangles, &readUvs, &readColors, &readNormals, &readTangents})
+  for (auto* read : {&readPositions, &readTriangles, &readUvs, &readColors, &readInfluences, &readTargets,
+                     &readNormals, &readTangents})
     if (Status status = read(reader, primitive, place, mesh); !status) return status;
   const auto subdivision = readSubdivision(reader, source.extras, at("meshes", mesh_index));
   if (!subdivision) return subdivision.issue();
@@ -203,7 +275,10 @@ Status readPrimitive(Reader& reader, size_t mesh_index, size_t index) {
     copyUvSet(reader, primitive, mesh);
   }
   mesh.bounds = boundsOf(mesh);
-  reader.parts[mesh_index].push_back({static_cast<int>(reader.scene.meshes.size()), primitive.material});
+  reader.vertices += mesh.vertices.size();
+  if (reader.vertices > kMaxVertices)
+    return reader.issue(issue_id::kGltfAccessor, place, "the scene has too many vertices");
+  reader.parts[mesh_index].push_back({static_cast<int>(reader.scene.meshes.size()), material});
   reader.scene.meshes.push_back(std::move(mesh));
   return {};
 }

@@ -95,16 +95,19 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
   return model;
 }
 
-Result<Scene> convert(const tinygltf::Model& model, const std::filesystem::path& path) {
-  gltf::Reader reader{model, path.parent_path(), path.string(), {}, {}, {}};
+Result<Scene> convert(const tinygltf::Model& model, const std::filesystem::path& path,
+                      const SceneOptions& options) {
+  gltf::Reader reader{model, path.parent_path(), path.string(), {}, {}, {}, 0, {}, {}};
   reader.scene.name = path.stem().string();
   noteUndrawn(reader);
-  for (auto* part : {&gltf::readAssets, &gltf::readMaterials, &gltf::readMeshes, &gltf::readNodes})
+  if (Status status = gltf::readVariants(reader, options.variant); !status) return status.issue();
+  for (auto* part : {&gltf::readAssets, &gltf::readMaterials, &gltf::readMeshes, &gltf::readNodes,
+                     &gltf::readSkins, &gltf::readAnimations})
     if (Status status = part(reader); !status) return status.issue();
   return std::move(reader.scene);
 }
 
-Result<Scene> load(const std::filesystem::path& path) {
+Result<Scene> load(const std::filesystem::path& path, const SceneOptions& options) {
   const std::string file = path.string();
   const auto bytes = readRegularFile(path);
   if (!bytes) return bytes.issue();
@@ -114,14 +117,14 @@ Result<Scene> load(const std::filesystem::path& path) {
   const auto model = parse(*bytes, path.parent_path(), file);
   if (!model) return model.issue();
   if (Status required = checkRequired(*model, file); !required) return required.issue();
-  return convert(*model, path);
+  return convert(*model, path, options);
 }
 
 }  // namespace
 
-Result<Scene> loadGltfScene(const std::filesystem::path& path) {
+Result<Scene> loadGltfScene(const std::filesystem::path& path, const SceneOptions& options) {
   try {
-    return load(path);
+    return load(path, options);
   } catch (const std::exception& error) {  // tinygltf and its JSON parser throw on some malformed input
     return Issue{issue_id::kGltfParse, Severity::kError, path.string(), error.what()};
   }

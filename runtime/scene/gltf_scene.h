@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "material/base/result.h"
 #include "runtime/scene/scene.h"
@@ -15,6 +16,9 @@ namespace loden::runtime {
 // are cages: each two triangles in a row form one quad (a b c, a c d), and the mesh becomes a grid of points
 // on their Catmull-Clark limit surface. Other files are read from the glTF's own folder only. Meshes without
 // normals or tangents get them. Failures are issues 1xxx and 5xxx, with the place in the file.
-Result<Scene> loadGltfScene(const std::filesystem::path& path);
+struct SceneOptions {
+  std::string variant;  // by its name (KHR_materials_variants); empty: the materials of the meshes themselves
+};
+Result<Scene> loadGltfScene(const std::filesystem::path& path, const SceneOptions& options = {});
 
 }  // namespace loden::runtime

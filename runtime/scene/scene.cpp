@@ -25,6 +25,10 @@ void forEachStream(Mesh& mesh, const Change& change) {
   for (auto& set : mesh.uv_sets)
     if (!set.empty()) change(set);
   if (!mesh.colors.empty()) change(mesh.colors);
+  if (!mesh.influences.empty()) change(mesh.influences);
+  for (MorphTarget& target : mesh.targets)
+    for (auto* deltas : {&target.positions, &target.normals, &target.tangents})
+      if (!deltas->empty()) change(*deltas);
 }
 
 }  // namespace

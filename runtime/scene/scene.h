@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +38,17 @@ struct Bounds {
 // Sets of texture coordinates that textures may choose from: TEXCOORD_0 and up.
 inline constexpr int kUvSets = 4;
 
+// What a morph target adds to each vertex at weight 1; each list parallel to the vertices, or empty.
+struct MorphTarget {
+  std::vector<glm::vec3> positions, normals, tangents;
+};
+
+// The joints that move a vertex, as indices into its skin's; weights sum to 1.
+struct Influences {
+  std::array<uint16_t, 8> joints{};
+  std::array<float, 8> weights{};
+};
+
 // One triangle list with one material.
 struct Mesh {
   std::string name;
@@ -46,6 +58,8 @@ struct Mesh {
   // Each parallel to the vertices, or empty where the mesh has none.
   std::array<std::vector<glm::vec2>, kUvSets> uv_sets;
   std::vector<glm::vec4> colors;  // linear RGBA, multiply the base colour
+  std::vector<Influences> influences;
+  std::vector<MorphTarget> targets;
 };
 // Adds a copy of each of the named vertices behind the last, with all that belongs to it.
 void appendCopies(Mesh& mesh, std::span<const uint32_t> sources);
@@ -138,12 +152,50 @@ struct SceneMaterial {
   const TextureUse& texture(TextureRole role) const { return textures[static_cast<size_t>(role)]; }
 };
 
+// A node of the hierarchy that things hang on and animations move: first scaled, then turned, then moved,
+// then by its matrix.
+struct SceneNode {
+  std::string name;
+  int parent = -1;  // index into Scene::nodes, below the node's own; -1: the world
+  glm::mat4 matrix{1};
+  glm::vec3 translation{0};
+  glm::quat rotation{1, 0, 0, 0};
+  glm::vec3 scale{1};
+  std::vector<float> weights;  // of morph targets
+};
+
+// Joints that a mesh hangs on.
+struct Skin {
+  std::vector<int> joints;                 // indices into Scene::nodes
+  std::vector<glm::mat4> joint_from_mesh;  // of each joint, in the pose that the mesh was made in
+};
+
+enum class AnimationTarget { kTranslation, kRotation, kScale, kWeights };
+enum class Interpolation { kLinear, kStep, kCubic };
+struct AnimationChannel {
+  int node = 0;  // index into Scene::nodes
+  AnimationTarget target = AnimationTarget::kTranslation;
+  Interpolation interpolation = Interpolation::kLinear;
+  std::vector<float> times;  // seconds, increasing; at least one
+  size_t width = 3;          // numbers per value
+  // [key][number]; of cubic splines [key][slope before, value, slope behind][number].
+  std::vector<float> values;
+};
+struct SceneAnimation {
+  std::string name;
+  double duration = 0;  // seconds: the last key of all
+  std::vector<AnimationChannel> channels;
+};
+
 // One mesh placed in the world.
 struct Instance {
   std::string name;
-  int mesh = 0;       // index into Scene::meshes
-  int material = -1;  // index into Scene::materials; -1 is glTF's default material
-  glm::mat4 world_from_local{1};
+  int mesh = 0;                   // index into Scene::meshes
+  int material = -1;              // index into Scene::materials; -1 is glTF's default material
+  glm::mat4 world_from_local{1};  // as the nodes stand in the file
+  int node = -1;                  // index into Scene::nodes; -1: never moves
+  glm::mat4 node_from_local{1};
+  int skin = -1;  // index into Scene::skins
 };
 
 enum class LightKind { kSun, kPoint, kSpot };
@@ -156,12 +208,14 @@ struct Light {
   glm::vec3 intensity{1};
   float range = 0;                     // metres; 0 means no end
   float cos_inner = 1, cos_outer = 0;  // of a spot light's cone
+  int node = -1;                       // that it hangs on; -1: never moves
 };
 
 struct SceneCamera {
   std::string name;
   glm::mat4 world_from_camera{1};  // looks along -z, y up
   float fov_y = 0.7f;              // radians
+  int node = -1;                   // that it hangs on; -1: never moves
 };
 
 struct Scene {
@@ -170,6 +224,10 @@ struct Scene {
   std::vector<SceneMaterial> materials;
   std::vector<SceneImage> images;
   std::vector<SceneAsset> assets;
+  std::vector<SceneNode> nodes;
+  std::vector<Skin> skins;
+  std::vector<SceneAnimation> animations;
+  std::vector<std::string> variants;  // names of KHR_materials_variants
   std::vector<Instance> instances;
   std::vector<Light> lights;
   std::vector<SceneCamera> cameras;

@@ -60,6 +60,12 @@ void addInput(CLI::App& app, Options& options, std::string& light) {
   app.add_option("--environment", options.environment,
                  "Light from all around: a lat-long panorama (.hdr); on a surface, instead of --light unless "
                  "that is given too");
+  app.add_option("--variant", options.variant, "Of the materials, by name (KHR_materials_variants)")
+      ->type_name("NAME");
+  app.add_option("--animation", options.animation, "By name or number; none: as the nodes stand in the file")
+      ->type_name("NAME")
+      ->default_str("the first");
+  app.add_option("--time", options.time, "Where the animation begins, seconds")->check(CLI::Range(0.0, 1e6));
   app.add_option("--camera", options.camera,
                  "Camera (JSON: position, target, up, fov_degrees); without one the scene's first, or one "
                  "that sees all of it");

@@ -28,6 +28,9 @@ struct Options {
   std::optional<glm::dvec2>
       light;  // degrees theta, phi from +z; of the surface. None: (30, 0), or the environment
   std::filesystem::path environment;  // empty: none
+  std::string variant;                // of the scene's materials; empty: none
+  std::string animation;              // name, number or "none"; empty: the first
+  double time = 0;                    // seconds into the animation at the first frame
   bool headless = false;
   glm::ivec2 size{800, 600};
   std::filesystem::path script;

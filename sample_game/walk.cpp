@@ -94,8 +94,11 @@ int walkHeadless(const Options& options, World& world, Clock::time_point start) 
   recorder.report().start_ms = millisecondsSince(start);
   for (int i = 0; i < frames && !interrupted; ++i) {
     const double t = frames > 1 ? world.path.duration() * i / (frames - 1) : 0;
-    auto record = drawFrame(world, world.path.at(t), {target->framebuffer.name(), options.size},
-                            !options.stream, kFrameSeconds);
+    // A walk takes its own time; a camera that stands still watches at 30 frames a second.
+    const double moving = world.path.duration() > 0 ? t : double(kFrameSeconds) * i;
+    const Camera camera = world.animate(moving, options.time).value_or(world.path.at(t));
+    auto record =
+        drawFrame(world, camera, {target->framebuffer.name(), options.size}, !options.stream, kFrameSeconds);
     if (!record) return fail(record.issue());
     record->t = t;
     recorder.addFrame(*std::move(record));
@@ -115,6 +118,7 @@ int walkInWindow(const Options& options, World& world, Clock::time_point start) 
   Player player(*world.device, world.path);
   recorder.report().gl = world.device->capabilities();
   recorder.report().start_ms = millisecondsSince(start);
+  const auto shown = Clock::now();
   for (int i = 0; !world.device->closeRequested() && !player.wantsToLeave() && !interrupted; ++i) {
     if (options.frames > 0 && i == options.frames) break;
     world.device->pollEvents();
@@ -123,6 +127,7 @@ int walkInWindow(const Options& options, World& world, Clock::time_point start) 
       continue;
     }
     const float seconds = player.beginFrame();
+    world.animate(millisecondsSince(shown) / 1000, options.time);
     auto record = drawFrame(world, player.camera(), {0, world.device->size()}, false, seconds);
     if (!record) return fail(record.issue());
     player.drawOverlay(record->ms, record->stats, record->materials, world.settings);

@@ -1,5 +1,6 @@
 #include "sample_game/world.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "material/base/issues.h"
@@ -27,15 +28,6 @@ glm::dvec3 upOf(const Options& options) {
   return options.asset.empty() ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
 }
 
-// For scenes without any light: over the shoulder of overview().
-Light defaultSun() {
-  Light sun;
-  sun.kind = LightKind::kSun;
-  sun.direction = glm::normalize(glm::vec3(-0.6f, -1.0f, -0.5f));
-  sun.intensity = glm::vec3(static_cast<float>(kPi));
-  return sun;
-}
-
 // Of the asset's tile; 1 of one that cannot be opened, which its loading will say.
 double aspectOf(const std::filesystem::path& asset) {
   auto source = openFileSource(asset);
@@ -45,11 +37,7 @@ double aspectOf(const std::filesystem::path& asset) {
 }
 
 Result<Scene> makeScene(const Options& options) {
-  if (options.asset.empty()) {
-    Result<Scene> scene = loadGltfScene(options.scene);
-    if (scene && scene->lights.empty() && options.environment.empty()) scene->lights.push_back(defaultSun());
-    return scene;
-  }
+  if (options.asset.empty()) return loadGltfScene(options.scene, {options.variant});
   const glm::dvec2 light = options.light.value_or(glm::dvec2(30, 0));
   const Spherical direction{light.x * kPi / 180, light.y * kPi / 180};
   Scene scene = analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)),
@@ -58,17 +46,23 @@ Result<Scene> makeScene(const Options& options) {
   return scene;
 }
 
-// None if none is asked for. Panoramas have z up, as surfaces have.
-Result<std::optional<Environment>> makeEnvironment(const Options& options) {
-  if (options.environment.empty()) return std::optional<Environment>();
-  const Result<Panorama> panorama = readPanorama(options.environment);
+// What is asked for; for scenes without any light a neutral studio. Panoramas have z up, as surfaces have.
+Status setEnvironment(const Options& options, const Scene& scene, FrameSettings& settings) {
+  const bool neutral = options.asset.empty() && options.environment.empty() && scene.lights.empty();
+  if (options.environment.empty() && !neutral) return {};
+  const Result<Panorama> panorama =
+      neutral ? Result<Panorama>(neutralPanorama()) : readPanorama(options.environment);
   if (!panorama) return panorama.issue();
-  Environment environment = projectPanorama(*panorama, kEnvironmentSuns);
-  if (!options.asset.empty()) return std::optional(std::move(environment));
   const glm::mat3 y_up(glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::vec3(0, 1, 0));
-  environment.light = rotated(environment.light, y_up);
-  for (EnvironmentSun& sun : environment.suns) sun.direction = y_up * sun.direction;
-  return std::optional(std::move(environment));
+  const glm::mat3 world_from_panorama = options.asset.empty() ? y_up : glm::mat3(1);
+  Environment environment = projectPanorama(*panorama, kEnvironmentSuns);
+  environment.light = rotated(environment.light, world_from_panorama);
+  for (EnvironmentSun& sun : environment.suns) sun.direction = world_from_panorama * sun.direction;
+  settings.environment = std::move(environment);
+  if (options.asset.empty())
+    settings.reflections =
+        std::make_shared<const ReflectionMap>(makeReflectionMap(*panorama, world_from_panorama));
+  return {};
 }
 
 // In front of everything, looking at its middle.
@@ -82,8 +76,25 @@ Camera overview(const Scene& scene) {
   Camera camera;
   camera.up = {0, 1, 0};
   camera.target = glm::dvec3(all.centre());
-  camera.position = camera.target + glm::dvec3(0.35, 0.3, 1) * std::max(2.2 * double(all.radius()), 0.1);
+  // As far away as makes the sphere around everything fit into a picture that is not upright.
+  const double distance = double(all.radius()) / std::sin(camera.fov_degrees * kPi / 360);
+  camera.position = camera.target + glm::normalize(glm::dvec3(0.35, 0.3, 1)) * std::max(distance, 1e-3);
   return camera;
+}
+
+// Index of the animation that is asked for; -1: none.
+Result<int> chooseAnimation(const Options& options, const Scene& scene) {
+  const int count = static_cast<int>(scene.animations.size());
+  if (options.animation == "none") return -1;
+  if (options.animation.empty()) return count > 0 ? 0 : -1;
+  std::string names;
+  for (int i = 0; i < count; ++i) {
+    if (options.animation == scene.animations[size_t(i)].name || options.animation == std::to_string(i))
+      return i;
+    names += (i > 0 ? ", " : "") + scene.animations[size_t(i)].name;
+  }
+  return Issue{issue_id::kOption, Severity::kError, options.scene.string(),
+               "has no animation " + options.animation + "; there are: " + (count > 0 ? names : "none")};
 }
 
 CameraPath standingAt(const Camera& camera) {
@@ -140,15 +151,28 @@ FrameSettings frameSettings(const Options& options) {
 
 }  // namespace
 
+std::optional<Camera> World::animate(double seconds, double first) {
+  if (animation < 0) return {};
+  const SceneAnimation& moving = scene.animations[size_t(animation)];
+  const double at = moving.duration > 0 ? std::fmod(first + seconds, moving.duration) : 0;
+  const ScenePose pose = poseAt(scene, &moving, at);
+  renderer->pose(scene, pose);
+  if (scene_camera < 0) return {};
+  return cameraFromScene(cameraAt(scene.cameras[size_t(scene_camera)], pose));
+}
+
 Result<World> makeWorld(const Options& options) {
-  const Result<Scene> scene = makeScene(options);
+  Result<Scene> scene = makeScene(options);
   if (!scene) return scene.issue();
   for (const Issue& note : scene->notes) printIssue(note);
   if (scene->assets.empty() && !options.quiet)
     std::fprintf(stderr, "loden_walk: %s has no Loden material, its own are drawn; loden pack adds one\n",
                  options.scene.c_str());
-  Result<std::optional<Environment>> environment = makeEnvironment(options);
-  if (!environment) return environment.issue();
+  FrameSettings settings = frameSettings(options);
+  if (Status status = setEnvironment(options, *scene, settings); !status) return status.issue();
+  const Result<int> animation = chooseAnimation(options, *scene);
+  if (!animation) return animation.issue();
+  const bool own_camera = options.script.empty() && options.camera.empty() && !scene->cameras.empty();
   Result<CameraPath> path = makePath(options, *scene);
   if (!path) return path.issue();
 
@@ -163,10 +187,10 @@ Result<World> makeWorld(const Options& options) {
   if (!materials) return materials.issue();
   auto renderer = FrameRenderer::create(**device, *shaders, **materials, *scene);
   if (!renderer) return renderer.issue();
-  FrameSettings settings = frameSettings(options);
-  settings.environment = std::move(*environment);
+  for (SceneImage& image : scene->images) image.pixels = {};
   return World{std::move(device).value(),   std::move(shaders),  std::move(materials).value(),
-               std::move(renderer).value(), std::move(settings), std::move(path.value())};
+               std::move(renderer).value(), std::move(settings), std::move(path.value()),
+               std::move(scene.value()),    *animation,          own_camera ? 0 : -1};
 }
 
 }  // namespace loden::walk

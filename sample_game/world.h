@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "material/base/result.h"
 #include "runtime/frame/frame.h"
@@ -20,6 +21,13 @@ struct World {
   std::unique_ptr<runtime::FrameRenderer> renderer;
   runtime::FrameSettings settings;
   runtime::CameraPath path;  // of one key where no script is given
+  runtime::Scene scene;      // without its images
+  int animation = -1;        // of the scene; -1: nothing moves
+  int scene_camera = -1;     // of the scene, that the picture is seen through; -1: the path's
+
+  // Moves the scene to `seconds` since its first frame, the animation starting over at its end. The camera
+  // that the picture is then seen through, if it is the scene's.
+  std::optional<Camera> animate(double seconds, double first);
 };
 Result<World> makeWorld(const Options& options);
 

@@ -1,5 +1,7 @@
 // Where a fragment of a mesh lies once its tile's relief counts: one rule for pre-pass, shadow map and
 // shading pass.
+#include "scene_interface.glsl"
+#include "scene_surface.glsl"
 
 layout(location = 0) in vec3 position_ws;
 layout(location = 1) in vec3 normal_ws;

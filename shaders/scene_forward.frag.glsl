@@ -1,4 +1,4 @@
-// Shades a mesh: with its Loden material if the variant has one, else with the base material's factors.
+// Shades a mesh with its Loden material.
 #include "scene_shared.h"
 #include "scene_interface.glsl"
 #include "scene_lights.glsl"
@@ -80,5 +80,5 @@ void main() {
   if (missed_taps == taps) discard;
   taps -= missed_taps;
 #endif
-  color = vec4(sceneTone(object.emissive_roughness.rgb + sum / float(taps)), 1.0);
+  color = vec4(sceneTone(object.emissive.rgb + sum / float(taps)), 1.0);
 }

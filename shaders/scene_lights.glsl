@@ -1,4 +1,5 @@
 // Light arriving at a point: direction to the light, and irradiance perpendicular to it.
+#include "scene_interface.glsl"
 
 layout(binding = SCENE_UNIT_SHADOW) uniform sampler2DShadow scene_shadow;
 

@@ -47,7 +47,7 @@ class SceneCheck {
   void checkRequired() {
     for (size_t i = 0; i < arraySize(json_, "extensionsRequired"); ++i) {
       const Json& name = json_["extensionsRequired"][i];
-      if (!name.is_string() || !isSupportedGltfExtension(name.get<std::string>()))
+      if (!name.is_string() || !isDrawnGltfExtension(name.get<std::string>()))
         add(issue_id::kGltfRequired, at("extensionsRequired", i), name.dump() + " is not known to Loden");
     }
   }

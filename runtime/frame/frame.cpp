@@ -3,11 +3,13 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "material/base/issues.h"
 #include "material/model/directions.h"
 #include "runtime/frame/frame_multisample.h"
 #include "runtime/frame/frame_shadow.h"
+#include "runtime/frame/image_light.h"
 #include "runtime/frame/scene_gpu.h"
 #include "runtime/gl/gl_objects.h"
 #include "runtime/gl/gl_state.h"
@@ -18,9 +20,9 @@ namespace loden::runtime {
 namespace {
 
 constexpr int kUnits = SCENE_UNIT_SHADOW + 1;
-constexpr int kUniformBindings = SCENE_BLOCK_OBJECT + 1;
+constexpr int kUniformBindings = SCENE_BLOCK_BASE_MATERIAL + 1;
 
-// The relief in the sun's shadow map. Neither sun nor objects move: nothing else changes it.
+// The relief in the sun's shadow map, which a new pose makes void.
 struct ShadowRelief {
   bool shown = false;     // else all objects are as their meshes are, and the rest is as here
   uint64_t revision = 0;  // MaterialSystem::reliefRevision
@@ -34,7 +36,11 @@ struct PassProgram {
   MaterialId material;
   uint32_t program = 0;
   int changes = 0;
+  int base_material = -1;  // whose textures are bound
 };
+
+// The faces of an object that a draw shows.
+enum class Faces { kFront, kBack, kAsMaterial };
 
 // A visible object.
 struct Drawable {
@@ -48,16 +54,24 @@ SceneLight lightData(const Light& light) {
           glm::vec4(light.direction, light.cos_outer), glm::vec4(light.cos_inner, 0, 0, 0)};
 }
 
-void setEnvironment(const Environment& environment, SceneFrame& data) {
-  const EnvironmentLight& light = environment.light;
+// The polynomial as nine vectors; whether it gives any light.
+bool setPolynomial(const EnvironmentLight& light, vec4* data) {
   bool lit = false;
   for (int c = 0; c < 3; ++c) {
     const glm::mat3& m = light.quadratic[c];
-    data.environment[3 * c] = glm::vec4(light.linear[c], light.constant[c]);
-    data.environment[3 * c + 1] = {m[0][0], m[1][1], m[2][2], 0};
-    data.environment[3 * c + 2] = {m[0][1], m[0][2], m[1][2], 0};
-    for (int k = 0; k < 3; ++k) lit = lit || data.environment[3 * c + k] != glm::vec4(0);
+    data[3 * c] = glm::vec4(light.linear[c], light.constant[c]);
+    data[3 * c + 1] = {m[0][0], m[1][1], m[2][2], 0};
+    data[3 * c + 2] = {m[0][1], m[0][2], m[1][2], 0};
+    for (int k = 0; k < 3; ++k) lit = lit || data[3 * c + k] != glm::vec4(0);
   }
+  return lit;
+}
+
+void setEnvironment(const Environment& environment, const ReflectionMap* reflections, SceneFrame& data) {
+  bool lit = setPolynomial(environment.light, data.environment);
+  const EnvironmentLight& base = reflections ? reflections->light : environment.light;
+  lit = setPolynomial(base, data.base_environment) || lit;
+  data.flags.w = reflections ? ReflectionMap::kLevels : 0;
   data.flags.y = static_cast<int>(std::min<size_t>(environment.suns.size(), SCENE_MAX_SUNS));
   data.flags.z = lit ? 1 : 0;
   for (int k = 0; k < data.flags.y; ++k) {
@@ -117,6 +131,9 @@ void setPassState() {
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
+  glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+  glBlendEquationSeparatei(0, GL_FUNC_ADD, GL_FUNC_ADD);
+  glBlendFuncSeparatei(0, GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   glDepthRangeIndexed(0, 0, 1);
   glClearDepth(1);
@@ -136,6 +153,7 @@ struct FrameRenderer::Impl {
   ShadowMap shadow;
   std::optional<ShadowRelief> shadow_drawn;
   MultisampleTarget multisample;
+  ImageLight image_light;
 
   View view;
   FrameSettings settings;
@@ -146,18 +164,21 @@ struct FrameRenderer::Impl {
   void findVisible();
   void demandMaterials();
   MaterialId materialOf(int object) const;
+  AlphaMode alphaMode(int object) const;
 
   SceneFrame frameData() const;
   void uploadUniforms();
-  void drawObject(int object) const;
+  void drawObject(int object, Faces faces = Faces::kAsMaterial) const;
   bool movesDepth(MaterialId id) const;
   ShadowRelief shadowRelief() const;
   Status use(std::string_view row, MaterialId id, PassProgram& current);
   Status useForDepth(int object, PassProgram& current);
   Status useForShading(int object, PassProgram& current);
+  void bindBaseMaterial(int object, PassProgram& current) const;
   Status drawShadowMap();
   Status drawDepth();
   Status drawShaded();
+  Status drawBlended();
   Status drawView(const FrameTarget& target);
 };
 
@@ -203,6 +224,12 @@ MaterialId FrameRenderer::Impl::materialOf(int object) const {
   return settings.base_materials_only || asset < 0 ? MaterialId{} : scene.assets[asset].material.id();
 }
 
+// A Loden material is opaque whatever its fallback is.
+AlphaMode FrameRenderer::Impl::alphaMode(int object) const {
+  return materialOf(object) ? AlphaMode::kOpaque
+                            : scene.base_materials.alphaMode(scene.objects[object].base_material);
+}
+
 SceneFrame FrameRenderer::Impl::frameData() const {
   SceneFrame data{};
   data.clip_from_world = view.clip_from_world;
@@ -216,10 +243,8 @@ SceneFrame FrameRenderer::Impl::frameData() const {
                  (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
                  (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
-  if (settings.environment)
-    setEnvironment(*settings.environment, data);
-  else
-    setEnvironment({skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}}, data);
+  const Environment sky{skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}};
+  setEnvironment(settings.environment ? *settings.environment : sky, settings.reflections.get(), data);
   data.lambda = glm::vec4(settings.lambda.value_or(0), view.pixel_angle, 0, 0);
   std::transform(scene.lights.begin(), scene.lights.end(), data.lights, lightData);
   return data;
@@ -233,16 +258,17 @@ void FrameRenderer::Impl::uploadUniforms() {
   glNamedBufferSubData(shadow_uniforms.name(), 0, sizeof frame, &frame);
 }
 
-void FrameRenderer::Impl::drawObject(int index) const {
+void FrameRenderer::Impl::drawObject(int index, Faces faces) const {
   const Object& object = scene.objects[index];
   const GpuMesh& mesh = scene.meshes[object.mesh];
   glBindBufferRange(GL_UNIFORM_BUFFER, SCENE_BLOCK_OBJECT, scene.object_uniforms.name(),
                     GLintptr(size_t(index) * scene.object_stride), sizeof(SceneObject));
   glFrontFace(object.mirrored ? GL_CW : GL_CCW);
-  if (object.double_sided)
+  if (object.double_sided && faces == Faces::kAsMaterial)
     glDisable(GL_CULL_FACE);
   else
     glEnable(GL_CULL_FACE);
+  glCullFace(faces == Faces::kBack ? GL_FRONT : GL_BACK);
   glBindVertexArray(mesh.array.name());
   glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
 }
@@ -259,8 +285,15 @@ Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, PassProgram
   if (current.program != *program) ++current.changes;
   glUseProgram(*program);
   if (id) materials.bind(id);
-  current = {row, id, *program, current.changes};
+  current = {row, id, *program, current.changes, -1};
   return {};
+}
+
+void FrameRenderer::Impl::bindBaseMaterial(int object, PassProgram& current) const {
+  const int material = scene.objects[object].base_material;
+  if (current.base_material == material) return;
+  scene.base_materials.bind(material);
+  current.base_material = material;
 }
 
 bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
@@ -270,12 +303,24 @@ bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
 // An object's depth, as the camera or the sun sees it.
 Status FrameRenderer::Impl::useForDepth(int object, PassProgram& current) {
   const MaterialId id = materialOf(object);
+  if (alphaMode(object) == AlphaMode::kMask) {
+    const Status status = use("scene_base_depth", {}, current);
+    if (status) bindBaseMaterial(object, current);
+    return status;
+  }
   if (!movesDepth(id)) return use("scene_depth", {}, current);
   return use(scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth", id, current);
 }
 
 Status FrameRenderer::Impl::useForShading(int object, PassProgram& current) {
   const MaterialId id = materialOf(object);
+  if (!id) {
+    const bool follows = current.row == "scene_base";  // else a Loden material may hold the units
+    const Status status = use("scene_base", {}, current);
+    if (status && !follows) image_light.bind();
+    if (status) bindBaseMaterial(object, current);
+    return status;
+  }
   const bool curved = scene.objects[object].curved && id && hasRelief(materials.variant(id));
   if (movesDepth(id)) return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, current);
   return use(curved ? "scene_forward_curved" : "scene_forward", id, current);
@@ -292,12 +337,13 @@ Status FrameRenderer::Impl::drawShadowMap() {
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.0f, 2.0f);
   PassProgram current;
-  for (size_t i = 0; i < scene.objects.size(); ++i) {
-    if (Status status = useForDepth(static_cast<int>(i), current); !status) return status;
-    drawObject(static_cast<int>(i));
+  for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
+    if (alphaMode(i) == AlphaMode::kBlend) continue;
+    if (Status status = useForDepth(i, current); !status) return status;
+    drawObject(i);
+    ++stats.depth_draw_calls;
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
-  stats.depth_draw_calls += static_cast<int>(scene.objects.size());
   shadow_drawn = shadowRelief();
   return {};
 }
@@ -308,6 +354,7 @@ Status FrameRenderer::Impl::drawDepth() {
   setColorMask(GL_FALSE);
   PassProgram current;
   for (const Drawable& drawable : visible) {
+    if (alphaMode(drawable.object) == AlphaMode::kBlend) continue;
     if (Status status = useForDepth(drawable.object, current); !status) return status;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
@@ -321,18 +368,48 @@ Status FrameRenderer::Impl::drawShaded() {
   const GlDebugGroup group("shading");
   std::vector<Drawable> order = visible;
   const auto key = [&](const Drawable& drawable) {
-    return std::pair(materialOf(drawable.object).value, scene.objects[drawable.object].curved);
+    const Object& object = scene.objects[drawable.object];
+    const MaterialId id = materialOf(drawable.object);
+    return std::tuple(id.value, object.curved, id ? 0 : object.base_material);
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](const Drawable& a, const Drawable& b) { return key(a) < key(b); });
   glDepthFunc(GL_LEQUAL);
   PassProgram current;
   for (const Drawable& drawable : order) {
+    if (alphaMode(drawable.object) == AlphaMode::kBlend) continue;
     if (Status status = useForShading(drawable.object, current); !status) return status;
     drawObject(drawable.object);
     ++stats.draw_calls;
     stats.triangles += uint64_t(scene.meshes[scene.objects[drawable.object].mesh].index_count) / 3;
   }
+  stats.program_changes += current.changes;
+  return {};
+}
+
+// Back to front by the objects' middles; of objects with two sides the far ones first.
+Status FrameRenderer::Impl::drawBlended() {
+  std::vector<Drawable> order;
+  for (const Drawable& drawable : visible)
+    if (alphaMode(drawable.object) == AlphaMode::kBlend)
+      order.push_back(
+          {drawable.object, glm::distance(view.position, scene.objects[drawable.object].bounds.centre())});
+  if (order.empty()) return {};
+  const GlDebugGroup group("blending");
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Drawable& a, const Drawable& b) { return a.distance > b.distance; });
+  glEnablei(GL_BLEND, 0);
+  glDepthMask(GL_FALSE);
+  PassProgram current;
+  for (const Drawable& drawable : order) {
+    if (Status status = useForShading(drawable.object, current); !status) return status;
+    if (scene.objects[drawable.object].double_sided) drawObject(drawable.object, Faces::kBack);
+    drawObject(drawable.object, Faces::kFront);
+    ++stats.draw_calls;
+    stats.triangles += uint64_t(scene.meshes[scene.objects[drawable.object].mesh].index_count) / 3;
+  }
+  glDepthMask(GL_TRUE);
+  glDisablei(GL_BLEND, 0);
   stats.program_changes += current.changes;
   return {};
 }
@@ -344,8 +421,10 @@ Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glBindBufferBase(GL_UNIFORM_BUFFER, SCENE_BLOCK_FRAME, frame_uniforms.name());
   if (shadow_drawn) glBindTextureUnit(SCENE_UNIT_SHADOW, shadow.depth.name());
+  image_light.show(settings.reflections);
   if (Status status = drawDepth(); !status) return status;
-  return drawShaded();
+  if (Status status = drawShaded(); !status) return status;
+  return drawBlended();
 }
 
 FrameRenderer::FrameRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -369,8 +448,13 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
                                              {},
                                              {},
                                              {},
+                                             {},
                                              {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
+}
+
+void FrameRenderer::pose(const Scene& scene, const ScenePose& pose) {
+  if (poseScene(scene, pose, impl_->scene)) impl_->shadow_drawn.reset();
 }
 
 void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {

@@ -1,4 +1,5 @@
-// Draws a scene: forward shading with a depth pre-pass, a sun with a shadow map, and point and spot lights.
+// Draws a scene: forward shading with a depth pre-pass, a sun with a shadow map, point and spot lights, and
+// light from all around; what is blended comes last, from back to front.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,9 @@
 #include "material/model/environment.h"
 #include "runtime/gl/device.h"
 #include "runtime/gl/material/material_system.h"
+#include "runtime/scene/animation.h"
 #include "runtime/scene/camera.h"
+#include "runtime/scene/reflections.h"
 #include "runtime/scene/scene.h"
 #include "runtime/shader/shader_library.h"
 
@@ -39,6 +42,8 @@ struct FrameSettings {
   std::optional<float> lambda;  // instead, everywhere
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
+  // What glTF's own materials mirror of the environment; their light is then that of the map alone.
+  std::shared_ptr<const ReflectionMap> reflections;
   // Light from all around, world frame; at most SCENE_MAX_SUNS suns count. None: a sky and a ground.
   std::optional<Environment> environment;
   glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above, linear RGB; y is up
@@ -83,6 +88,9 @@ class FrameRenderer {
   FrameRenderer(const FrameRenderer&) = delete;
   FrameRenderer& operator=(const FrameRenderer&) = delete;
 
+  // Moves nodes, skins, morph targets, lights and what hangs on them. The scene must be the one that was
+  // given to create(), but for its images, which may be gone. Leaves GL state as it was.
+  void pose(const Scene& scene, const ScenePose& pose);
   // Finds what the view sees and demands its materials. No GL call.
   void prepare(const View& view, const FrameSettings& settings);
   // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of

@@ -49,15 +49,59 @@ void addAttribute(GLuint array, GLuint location, int components, size_t offset) 
   glVertexArrayAttribBinding(array, location, 0);
 }
 
+// Two sets of texture coordinates side by side; nothing if the mesh has neither.
+GlBuffer uploadUvPair(const Mesh& mesh, size_t first) {
+  const auto &a = mesh.uv_sets[first], &b = mesh.uv_sets[first + 1];
+  if (a.empty() && b.empty()) return {};
+  std::vector<glm::vec4> pairs(mesh.vertices.size(), glm::vec4(0));
+  for (size_t i = 0; i < a.size(); ++i) pairs[i] = {a[i], 0, 0};
+  for (size_t i = 0; i < b.size(); ++i) pairs[i].z = b[i].x, pairs[i].w = b[i].y;
+  const auto bytes = std::as_bytes(std::span(pairs));
+  return makeBuffer(bytes.size(), bytes, 0, mesh.name + " texture coordinates");
+}
+
+GlBuffer uploadColors(const Mesh& mesh) {
+  if (mesh.colors.empty()) return {};
+  std::vector<glm::u16vec4> codes;
+  codes.reserve(mesh.colors.size());
+  for (const glm::vec4& color : mesh.colors) codes.emplace_back(color * 65535.0f + 0.5f);
+  const auto bytes = std::as_bytes(std::span(codes));
+  return makeBuffer(bytes.size(), bytes, 0, mesh.name + " colours");
+}
+
+// An attribute with a buffer of its own, or the same value for all vertices.
+void addStream(GLuint array, GLuint location, const GlBuffer& stream, GLsizei stride, GLenum type,
+               const GlBuffer& defaults, size_t default_offset) {
+  const GLuint binding = location;
+  if (stream)
+    glVertexArrayVertexBuffer(array, binding, stream.name(), 0, stride);
+  else
+    glVertexArrayVertexBuffer(array, binding, defaults.name(), GLintptr(default_offset), 0);
+  glEnableVertexArrayAttrib(array, location);
+  glVertexArrayAttribFormat(array, location, 4, type, type != GL_FLOAT, 0);
+  glVertexArrayAttribBinding(array, location, binding);
+}
+
+struct DefaultAttributes {
+  glm::vec4 uv{0};
+  glm::u16vec4 color{65535};
+};
+
 }  // namespace
 
-GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding) {
+GlBuffer makeDefaultAttributes() {
+  const DefaultAttributes defaults;
+  return makeBuffer(sizeof defaults, std::as_bytes(std::span(&defaults, 1)), 0, "default attributes");
+}
+
+GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding, const GlBuffer& defaults) {
   const std::vector<GpuVertex> vertices = gpuVertices(mesh, binding);
   const auto vertex_bytes = std::as_bytes(std::span(vertices));
   const auto index_bytes = std::as_bytes(std::span(mesh.indices));
   GpuMesh gpu;
   gpu.index_count = static_cast<int>(mesh.indices.size());
-  gpu.vertices = makeBuffer(vertex_bytes.size(), vertex_bytes, 0, mesh.name + " vertices");
+  gpu.vertices =
+      makeBuffer(vertex_bytes.size(), vertex_bytes, GL_DYNAMIC_STORAGE_BIT, mesh.name + " vertices");
   gpu.indices = makeBuffer(index_bytes.size(), index_bytes, 0, mesh.name + " indices");
   gpu.array = makeVertexArray(mesh.name);
   const GLuint array = gpu.array.name();
@@ -67,7 +111,20 @@ GpuMesh uploadMesh(const Mesh& mesh, const FlatBtfBinding& binding) {
   addAttribute(array, 1, 3, offsetof(GpuVertex, normal));
   addAttribute(array, 2, 4, offsetof(GpuVertex, tangent));
   addAttribute(array, 3, 2, offsetof(GpuVertex, x));
+  gpu.uv_sets01 = uploadUvPair(mesh, 0);
+  gpu.uv_sets23 = uploadUvPair(mesh, 2);
+  gpu.colors = uploadColors(mesh);
+  addStream(array, 4, gpu.uv_sets01, sizeof(glm::vec4), GL_FLOAT, defaults, offsetof(DefaultAttributes, uv));
+  addStream(array, 5, gpu.uv_sets23, sizeof(glm::vec4), GL_FLOAT, defaults, offsetof(DefaultAttributes, uv));
+  addStream(array, 6, gpu.colors, sizeof(glm::u16vec4), GL_UNSIGNED_SHORT, defaults,
+            offsetof(DefaultAttributes, color));
   return gpu;
+}
+
+void moveVertices(const Mesh& mesh, const FlatBtfBinding& binding, const GpuMesh& gpu) {
+  const std::vector<GpuVertex> vertices = gpuVertices(mesh, binding);
+  glNamedBufferSubData(gpu.vertices.name(), 0, GLsizeiptr(vertices.size() * sizeof(GpuVertex)),
+                       vertices.data());
 }
 
 }  // namespace loden::runtime

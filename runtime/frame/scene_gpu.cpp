@@ -29,45 +29,89 @@ SceneMaterial materialOf(const Scene& scene, const Instance& instance) {
   return instance.material >= 0 ? scene.materials[instance.material] : SceneMaterial{};
 }
 
-Object makeObject(const Scene& scene, const Instance& instance) {
+// The instance's mesh as it is drawn: `own` holds it if it is deformed.
+const Mesh& meshOf(const Scene& scene, const Instance& instance, const ScenePose& pose, Mesh& own) {
+  if (!isDeformed(scene, instance)) return scene.meshes[size_t(instance.mesh)];
+  own = deformedMesh(scene, instance, pose);
+  return own;
+}
+
+Object makeObject(const Scene& scene, const Instance& instance, const Mesh& mesh,
+                  const BaseMaterials& base_materials) {
   const SceneMaterial material = materialOf(scene, instance);
   Object object;
+  object.base_material = base_materials.indexOf(instance);
   object.mesh = instance.mesh;
-  object.bounds = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
+  object.deformed = isDeformed(scene, instance);
+  object.world_from_local = instance.world_from_local;
+  object.bounds = transformed(mesh.bounds, instance.world_from_local);
   object.mirrored = glm::determinant(glm::mat3(instance.world_from_local)) < 0;
   object.double_sided = material.double_sided;
-  if (!object.double_sided)
-    object.facing = facingCone(scene.meshes[instance.mesh], instance.world_from_local);
+  // Of many instances, or of meshes that change, it would take longer than it saves.
+  if (!object.double_sided && !object.deformed && instance.node_from_local == glm::mat4(1))
+    object.facing = facingCone(mesh, instance.world_from_local);
   if (!material.flat_btf) return object;
   object.asset = material.flat_btf->asset;
-  const Mesh& mesh = scene.meshes[instance.mesh];
   object.periods_per_metre = uvDensity(mesh, *material.flat_btf, instance.world_from_local);
-  object.curved = !isPlain(mesh, *material.flat_btf, instance.world_from_local, object.periods_per_metre);
+  object.curved = object.deformed ||
+                  !isPlain(mesh, *material.flat_btf, instance.world_from_local, object.periods_per_metre);
   return object;
 }
 
-// A mesh has one material, so that its vertices can carry tile coordinates.
-std::vector<GpuMesh> uploadMeshes(const Scene& scene) {
-  std::vector<FlatBtfBinding> bindings(scene.meshes.size());
-  for (const Instance& instance : scene.instances)
-    bindings[instance.mesh] = materialOf(scene, instance).flat_btf.value_or(FlatBtfBinding{});
-  std::vector<GpuMesh> meshes;
-  for (size_t i = 0; i < scene.meshes.size(); ++i) meshes.push_back(uploadMesh(scene.meshes[i], bindings[i]));
-  return meshes;
+FlatBtfBinding bindingOf(const Scene& scene, const Instance& instance) {
+  return materialOf(scene, instance).flat_btf.value_or(FlatBtfBinding{});
 }
 
-void addLights(const Scene& scene, const Device& device, GpuScene& gpu) {
-  for (const Light& light : scene.lights) {
-    if (light.kind != LightKind::kSun)
+// A mesh has one material, so that its vertices can carry tile coordinates. Deformed instances have meshes of
+// their own, behind the scene's, whose own are left out where nothing else shows them.
+void uploadObjects(const Scene& scene, GpuScene& gpu) {
+  std::vector<const Instance*> users(scene.meshes.size(), nullptr);
+  for (const Instance& instance : scene.instances)
+    if (!isDeformed(scene, instance)) users[size_t(instance.mesh)] = &instance;
+  for (size_t i = 0; i < scene.meshes.size(); ++i)
+    gpu.meshes.push_back(
+        users[i] ? uploadMesh(scene.meshes[i], bindingOf(scene, *users[i]), gpu.default_attributes)
+                 : GpuMesh{});
+  const ScenePose rest = poseAt(scene, nullptr, 0);
+  for (const Instance& instance : scene.instances) {
+    Mesh own;
+    const Mesh& mesh = meshOf(scene, instance, rest, own);
+    Object object = makeObject(scene, instance, mesh, gpu.base_materials);
+    if (object.deformed) {
+      object.mesh = static_cast<int>(gpu.meshes.size());
+      gpu.meshes.push_back(uploadMesh(mesh, bindingOf(scene, instance), gpu.default_attributes));
+    }
+    gpu.objects.push_back(std::move(object));
+  }
+}
+
+void findBounds(GpuScene& gpu) {
+  gpu.bounds = gpu.objects.empty() ? Bounds{} : gpu.objects[0].bounds;
+  for (const Object& object : gpu.objects)
+    gpu.bounds = {glm::min(gpu.bounds.min, object.bounds.min), glm::max(gpu.bounds.max, object.bounds.max)};
+}
+
+void sortLights(GpuScene& gpu) {
+  gpu.lights.clear();
+  gpu.sun.reset();
+  for (const Light& light : gpu.scene_lights) {
+    if (light.kind != LightKind::kSun && gpu.lights.size() < SCENE_MAX_LIGHTS)
       gpu.lights.push_back(light);
-    else if (!gpu.sun)
+    else if (light.kind == LightKind::kSun && !gpu.sun)
       gpu.sun = light;
   }
   if (gpu.sun) gpu.sun_view = sunView(gpu.bounds, gpu.sun->direction, ShadowMap::kSide);
-  if (gpu.lights.size() <= SCENE_MAX_LIGHTS) return;
-  device.log({issue_id::kGltfNode, Severity::kWarning, scene.name,
-              "more than " + std::to_string(SCENE_MAX_LIGHTS) + " lights: the rest is left out"});
-  gpu.lights.resize(SCENE_MAX_LIGHTS);
+}
+
+void noteLights(const Scene& scene, const Device& device) {
+  size_t suns = 0;
+  for (const Light& light : scene.lights) suns += light.kind == LightKind::kSun;
+  const auto warn = [&](const std::string& text) {
+    device.log({issue_id::kGltfNode, Severity::kWarning, scene.name, text});
+  };
+  if (scene.lights.size() - suns > SCENE_MAX_LIGHTS)
+    warn("more than " + std::to_string(SCENE_MAX_LIGHTS) + " lights: the rest is left out");
+  if (suns > 1) warn("more than one directional light: the rest is left out");
 }
 
 // The most light that a lamp can send to any point of the box; 0 where it does not reach.
@@ -89,61 +133,80 @@ void chooseLights(const std::vector<Light>& lights, const Bounds& box, SceneObje
   for (int k = 0; k < data.flags.y; ++k) data.lights[k / 4][k % 4] = reaching[k].second;
 }
 
-// The inverse transpose but for a positive factor, from cofactors: exists where the transform flattens the
-// mesh.
-glm::mat3 normalMatrix(const glm::mat3& m) {
-  const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-  float largest = 0;
-  for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row) largest = std::max(largest, std::abs(cofactors[column][row]));
-  if (!(largest > 0)) return glm::mat3(1);
-  return cofactors * ((glm::determinant(m) < 0 ? -1.0f : 1.0f) / largest);
-}
-
-SceneObject objectData(const Object& object, const SceneMaterial& material,
-                       const glm::mat4& world_from_local) {
+SceneObject objectData(const Object& object, const SceneMaterial& material) {
   SceneObject data{};
-  data.world_from_local = world_from_local;
-  data.normal_from_local = glm::mat4(normalMatrix(glm::mat3(world_from_local)));
-  data.base_color_metallic = glm::vec4(glm::vec3(material.base_color), material.metallic);
-  data.emissive_roughness = glm::vec4(material.emissive, material.roughness);
+  data.world_from_local = object.world_from_local;
+  data.normal_from_local = glm::mat4(normalMatrix(glm::mat3(object.world_from_local)));
+  // Of an emissive texture a Loden material shows nothing, and the factor alone would glow all over.
+  if (material.texture(TextureRole::kEmissive).image < 0) data.emissive = glm::vec4(material.emissive, 0);
   data.tile = glm::vec4(1 / object.periods_per_metre, 0, 0, 0);
   data.flags = {object.double_sided ? SCENE_DOUBLE_SIDED : 0, 0, object.mirrored ? -1 : 1, 0};
+  if (material.flat_btf) data.flags.x |= SCENE_DERIVE_TANGENTS;
   return data;
 }
 
-void uploadObjects(const Scene& scene, GpuScene& gpu) {
+void uploadUniforms(const Scene& scene, GpuScene& gpu) {
   GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
   gpu.object_stride = (sizeof(SceneObject) + alignment - 1) / alignment * alignment;
   std::vector<std::byte> all(std::max<size_t>(gpu.objects.size(), 1) * gpu.object_stride);
   for (size_t i = 0; i < gpu.objects.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    SceneObject data = objectData(gpu.objects[i], materialOf(scene, instance), instance.world_from_local);
+    SceneObject data = objectData(gpu.objects[i], materialOf(scene, scene.instances[i]));
     chooseLights(gpu.lights, gpu.objects[i].bounds, data);
     std::memcpy(all.data() + i * gpu.object_stride, &data, sizeof data);
   }
-  gpu.object_uniforms = makeBuffer(all.size(), all, 0, "object uniforms");
+  if (gpu.object_uniforms)
+    glNamedBufferSubData(gpu.object_uniforms.name(), 0, GLsizeiptr(all.size()), all.data());
+  else
+    gpu.object_uniforms = makeBuffer(all.size(), all, GL_DYNAMIC_STORAGE_BIT, "object uniforms");
+}
+
+// Whether the object moved.
+bool poseObject(const Scene& scene, const Instance& instance, const ScenePose& pose, GpuScene& gpu,
+                Object& object) {
+  const glm::mat4 world = worldFromLocal(instance, pose);
+  if (world == object.world_from_local && !object.deformed) return false;
+  Mesh own;
+  const Mesh& mesh = meshOf(scene, instance, pose, own);
+  if (object.deformed) moveVertices(mesh, bindingOf(scene, instance), gpu.meshes[size_t(object.mesh)]);
+  object.world_from_local = world;
+  object.bounds = transformed(mesh.bounds, world);
+  object.mirrored = glm::determinant(glm::mat3(world)) < 0;
+  object.facing = {};
+  return true;
 }
 
 }  // namespace
 
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials) {
-  GpuScene gpu;
+  GpuScene gpu{
+      BaseMaterials(scene), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, {}, scene.lights, {}, 0};
   auto assets = loadAssets(scene, materials);
   if (!assets) return assets.issue();
   gpu.assets = std::move(assets.value());
-  for (const Instance& instance : scene.instances) {
-    gpu.objects.push_back(makeObject(scene, instance));
-    const Bounds& box = gpu.objects.back().bounds;
-    gpu.bounds = gpu.objects.size() == 1
-                     ? box
-                     : Bounds{glm::min(gpu.bounds.min, box.min), glm::max(gpu.bounds.max, box.max)};
-  }
-  gpu.meshes = uploadMeshes(scene);
-  addLights(scene, device, gpu);
+  noteLights(scene, device);
   uploadObjects(scene, gpu);
+  findBounds(gpu);
+  sortLights(gpu);
+  uploadUniforms(scene, gpu);
   return gpu;
+}
+
+bool poseScene(const Scene& scene, const ScenePose& pose, GpuScene& gpu) {
+  bool moved = false;
+  for (size_t i = 0; i < gpu.objects.size(); ++i)
+    moved = poseObject(scene, scene.instances[i], pose, gpu, gpu.objects[i]) || moved;
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light light = lightAt(scene.lights[i], pose);
+    moved = moved || light.position != gpu.scene_lights[i].position ||
+            light.direction != gpu.scene_lights[i].direction;
+    gpu.scene_lights[i] = light;
+  }
+  if (!moved) return false;
+  findBounds(gpu);
+  sortLights(gpu);
+  uploadUniforms(scene, gpu);
+  return true;
 }
 
 }  // namespace loden::runtime

@@ -19,7 +19,8 @@ struct Target {
 // Those that drawing binds; glBindTextureUnit with a texture leaves a unit's other targets as they are.
 constexpr Target kTargets[] = {{GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
                                {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
-                               {GL_TEXTURE_3D, GL_TEXTURE_BINDING_3D}};
+                               {GL_TEXTURE_3D, GL_TEXTURE_BINDING_3D},
+                               {GL_TEXTURE_CUBE_MAP, GL_TEXTURE_BINDING_CUBE_MAP}};
 
 constexpr GLenum kSwitches[] = {GL_CULL_FACE,
                                 GL_DEPTH_TEST,
@@ -37,6 +38,7 @@ constexpr GLenum kSwitches[] = {GL_CULL_FACE,
                                 GL_PRIMITIVE_RESTART,
                                 GL_PRIMITIVE_RESTART_FIXED_INDEX,
                                 GL_COLOR_LOGIC_OP,
+                                GL_TEXTURE_CUBE_MAP_SEAMLESS,
                                 GL_CLIP_DISTANCE0,
                                 GL_CLIP_DISTANCE1,
                                 GL_CLIP_DISTANCE2,
@@ -47,6 +49,10 @@ constexpr GLenum kSwitches[] = {GL_CULL_FACE,
                                 GL_CLIP_DISTANCE7};
 // Of the first draw buffer, and the first viewport.
 constexpr GLenum kIndexedSwitches[] = {GL_BLEND, GL_SCISSOR_TEST};
+
+// Of the first draw buffer.
+constexpr GLenum kBlendEquations[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
+constexpr GLenum kBlendFuncs[] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
 
 GLint integer(GLenum name) {
   GLint value = 0;
@@ -107,6 +113,9 @@ GlDrawStateScope::GlDrawStateScope(int units, int uniform_bindings) {
   glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_.data());
   glGetDoublei_v(GL_DEPTH_RANGE, 0, depth_range_.data());
   glGetDoublev(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
+  for (size_t i = 0; i < std::size(kBlendEquations); ++i)
+    glGetIntegeri_v(kBlendEquations[i], 0, &blend_equation_[i]);
+  for (size_t i = 0; i < std::size(kBlendFuncs); ++i) glGetIntegeri_v(kBlendFuncs[i], 0, &blend_func_[i]);
   depth_func_ = integer(GL_DEPTH_FUNC);
   cull_face_ = integer(GL_CULL_FACE_MODE);
   front_face_ = integer(GL_FRONT_FACE);
@@ -144,6 +153,9 @@ GlDrawStateScope::~GlDrawStateScope() {
   glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
   glDepthRangeIndexed(0, depth_range_[0], depth_range_[1]);
   glClearDepth(clear_depth_);
+  glBlendEquationSeparatei(0, GLenum(blend_equation_[0]), GLenum(blend_equation_[1]));
+  glBlendFuncSeparatei(0, GLenum(blend_func_[0]), GLenum(blend_func_[1]), GLenum(blend_func_[2]),
+                       GLenum(blend_func_[3]));
   glDepthFunc(GLenum(depth_func_));
   glCullFace(GLenum(cull_face_));
   glFrontFace(GLenum(front_face_));

@@ -35,7 +35,7 @@ class GlDrawStateScope {
 
  private:
   struct Unit {
-    std::array<int32_t, 3> textures{};  // per target of kTargets
+    std::array<int32_t, 4> textures{};  // per target of kTargets
     int32_t sampler = 0;
   };
   struct UniformBinding {
@@ -56,6 +56,8 @@ class GlDrawStateScope {
   std::array<float, 4> viewport_{}, clear_color_{};
   std::array<double, 2> depth_range_{};
   double clear_depth_ = 1;
+  std::array<int32_t, 2> blend_equation_{};  // of colour and alpha
+  std::array<int32_t, 4> blend_func_{};      // source and destination, of colour and alpha
   int32_t depth_func_ = 0, cull_face_ = 0, front_face_ = 0, polygon_mode_ = 0;
   uint8_t depth_mask_ = 1;
   std::array<float, 2> polygon_offset_{};

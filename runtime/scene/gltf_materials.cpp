@@ -1,19 +1,10 @@
-// Materials, and the extension LODEN_materials_flat_btf on the document and on its materials.
+// Materials: glTF's metallic-roughness model, and the extensions of it that are drawn.
 #include <cmath>
 
-#include "material/system/asset_io.h"
-#include "material/system/confined_path.h"
 #include "runtime/scene/gltf_reader.h"
 
 namespace loden::runtime::gltf {
 namespace {
-
-constexpr const char* kExtension = "LODEN_materials_flat_btf";
-
-const tinygltf::Value* extension(const tinygltf::ExtensionMap& extensions) {
-  const auto found = extensions.find(kExtension);
-  return found != extensions.end() && found->second.IsObject() ? &found->second : nullptr;
-}
 
 glm::vec3 colorOf(const std::vector<double>& values, const glm::vec3& fallback) {
   if (values.size() < 3) return fallback;
@@ -21,72 +12,114 @@ glm::vec3 colorOf(const std::vector<double>& values, const glm::vec3& fallback) 
   return std::isfinite(color.x + color.y + color.z) ? glm::max(color, glm::vec3(0)) : fallback;
 }
 
-Result<SceneAsset> readAsset(const Reader& reader, const tinygltf::Value& object, size_t index) {
-  const std::string place = std::string("extensions.") + kExtension + "." + at("assets", index);
-  const std::string uri = stringMember(object, "uri");
-  const std::optional<int> view = indexMember(object, "bufferView");
-  if (uri.empty() == !view.has_value())
-    return reader.issue(issue_id::kGltfExtension, place, "needs either uri or bufferView");
-  SceneAsset asset;
-  if (view) {
-    const Result<View> bytes = readView(reader, *view, place);
-    if (!bytes) return bytes.issue();
-    const auto* first = reinterpret_cast<const std::byte*>(bytes->data);
-    asset.embedded.assign(first, first + bytes->size);
-    asset.name = reader.file + ": " + place;
-    return asset;
+float unitFactor(double value, float fallback) {
+  return std::isfinite(value) ? glm::clamp(static_cast<float>(value), 0.0f, 1.0f) : fallback;
+}
+
+float factorMember(const tinygltf::Value& object, const char* key, float fallback) {
+  return unitFactor(numberMember(object, key).value_or(fallback), fallback);
+}
+
+glm::vec3 colorMember(const tinygltf::Value& object, const char* key, const glm::vec3& fallback) {
+  if (!object.Has(key) || !object.Get(key).IsArray()) return fallback;
+  const tinygltf::Value& array = object.Get(key);
+  std::vector<double> values;
+  for (size_t i = 0; i < array.ArrayLen(); ++i)
+    if (array.Get(int(i)).IsNumber()) values.push_back(array.Get(int(i)).GetNumberAsDouble());
+  return colorOf(values, fallback);
+}
+
+// What the readers of one material share.
+struct MaterialReader {
+  Reader& reader;
+  const tinygltf::Material& source;
+  std::string place;
+  SceneMaterial& material;
+
+  template <class Info>  // tinygltf has three kinds
+  void texture(TextureRole role, const Info& info) {
+    material.texture(role) =
+        readTexture(reader, {info.index, info.texCoord, 1, transformOf(info.extensions)}, place);
   }
-  const auto path = confinedPath(reader.folder, uri, place);
-  if (!path) return reader.issue(path.issue().id, place, path.issue().text);
-  asset.path = *path;
-  asset.name = path->string();
-  return asset;
+  void texture(TextureRole role, const tinygltf::Value& object, const char* key) {
+    material.texture(role) = readTexture(reader, textureMember(object, key), place);
+  }
+  const tinygltf::Value* extension(const char* name) const {
+    const auto found = source.extensions.find(name);
+    return found != source.extensions.end() && found->second.IsObject() ? &found->second : nullptr;
+  }
+};
+
+void readCore(MaterialReader& in) {
+  const tinygltf::PbrMetallicRoughness& pbr = in.source.pbrMetallicRoughness;
+  SceneMaterial& material = in.material;
+  const float alpha = pbr.baseColorFactor.size() == 4 ? unitFactor(pbr.baseColorFactor[3], 1) : 1;
+  material.base_color = glm::vec4(colorOf(pbr.baseColorFactor, glm::vec3(1)), alpha);
+  material.metallic = unitFactor(pbr.metallicFactor, 1);
+  material.roughness = unitFactor(pbr.roughnessFactor, 1);
+  material.emissive = colorOf(in.source.emissiveFactor, glm::vec3(0));
+  material.double_sided = in.source.doubleSided;
+  if (const float scale = float(in.source.normalTexture.scale); std::isfinite(scale))
+    material.normal_scale = scale;
+  material.occlusion_strength = unitFactor(in.source.occlusionTexture.strength, 1);
+  if (in.source.alphaMode == "MASK") material.alpha_mode = AlphaMode::kMask;
+  if (in.source.alphaMode == "BLEND") material.alpha_mode = AlphaMode::kBlend;
+  if (std::isfinite(in.source.alphaCutoff)) material.alpha_cutoff = float(in.source.alphaCutoff);
+  in.texture(TextureRole::kBaseColor, pbr.baseColorTexture);
+  in.texture(TextureRole::kMetallicRoughness, pbr.metallicRoughnessTexture);
+  in.texture(TextureRole::kNormal, in.source.normalTexture);
+  in.texture(TextureRole::kOcclusion, in.source.occlusionTexture);
+  in.texture(TextureRole::kEmissive, in.source.emissiveTexture);
 }
 
-// A finite number of a two-element array; nothing if the member is absent, an Issue if it is something else.
-Status readScale(const Reader& reader, const tinygltf::Value& object, const std::string& place,
-                 glm::vec2& scale) {
-  if (!object.Has("scale")) return {};
-  const tinygltf::Value& value = object.Get("scale");
-  const bool pair =
-      value.IsArray() && value.ArrayLen() == 2 && value.Get(0).IsNumber() && value.Get(1).IsNumber();
-  if (pair) scale = glm::vec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
-  if (!pair || !std::isfinite(scale.x + scale.y) || scale.x == 0 || scale.y == 0)
-    return reader.issue(issue_id::kGltfExtension, place, "scale must be two finite numbers other than 0");
-  return {};
+void readSpecular(MaterialReader& in) {
+  if (const tinygltf::Value* object = in.extension("KHR_materials_ior")) {
+    const double ior = numberMember(*object, "ior").value_or(1.5);
+    if (ior == 0 || (ior >= 1 && ior < 1e6)) in.material.ior = static_cast<float>(ior);
+  }
+  const tinygltf::Value* object = in.extension("KHR_materials_specular");
+  if (!object) return;
+  in.material.specular = factorMember(*object, "specularFactor", 1);
+  in.material.specular_color = colorMember(*object, "specularColorFactor", glm::vec3(1));
+  in.texture(TextureRole::kSpecular, *object, "specularTexture");
+  in.texture(TextureRole::kSpecularColor, *object, "specularColorTexture");
 }
 
-Result<FlatBtfBinding> readBinding(const Reader& reader, const tinygltf::Value& object,
-                                   const std::string& place) {
-  FlatBtfBinding binding;
-  const std::optional<int> asset = indexMember(object, "asset");
-  if (!asset || size_t(*asset) >= reader.scene.assets.size())
-    return reader.issue(issue_id::kGltfExtension, place, "asset must be an index into the document's assets");
-  binding.asset = *asset;
-  binding.tex_coord = indexMember(object, "texCoord").value_or(0);
-  const double rotation = numberMember(object, "rotation").value_or(0);
-  if (binding.tex_coord > 15 || !std::isfinite(rotation))
-    return reader.issue(issue_id::kGltfExtension, place, "texCoord must be 0 .. 15 and rotation finite");
-  binding.rotation = static_cast<float>(rotation);
-  if (Status scale = readScale(reader, object, place, binding.scale); !scale) return scale.issue();
-  return binding;
+void readSheen(MaterialReader& in) {
+  const tinygltf::Value* object = in.extension("KHR_materials_sheen");
+  if (!object) return;
+  in.material.sheen_color = colorMember(*object, "sheenColorFactor", glm::vec3(0));
+  in.material.sheen_roughness = factorMember(*object, "sheenRoughnessFactor", 0);
+  in.texture(TextureRole::kSheenColor, *object, "sheenColorTexture");
+  in.texture(TextureRole::kSheenRoughness, *object, "sheenRoughnessTexture");
 }
 
-Result<SceneMaterial> readMaterial(const Reader& reader, size_t index) {
-  const tinygltf::Material& source = reader.model.materials[index];
-  const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+void readClearcoat(MaterialReader& in) {
+  const tinygltf::Value* object = in.extension("KHR_materials_clearcoat");
+  if (!object) return;
+  in.material.clearcoat = factorMember(*object, "clearcoatFactor", 0);
+  in.material.clearcoat_roughness = factorMember(*object, "clearcoatRoughnessFactor", 0);
+  in.material.clearcoat_normal_scale = textureMember(*object, "clearcoatNormalTexture").scale;
+  in.texture(TextureRole::kClearcoat, *object, "clearcoatTexture");
+  in.texture(TextureRole::kClearcoatRoughness, *object, "clearcoatRoughnessTexture");
+  in.texture(TextureRole::kClearcoatNormal, *object, "clearcoatNormalTexture");
+}
+
+void readEmissiveStrength(MaterialReader& in) {
+  const tinygltf::Value* object = in.extension("KHR_materials_emissive_strength");
+  if (!object) return;
+  const double strength = numberMember(*object, "emissiveStrength").value_or(1);
+  if (strength >= 0 && strength < 1e6) in.material.emissive *= static_cast<float>(strength);
+}
+
+Result<SceneMaterial> readMaterial(Reader& reader, size_t index) {
   SceneMaterial material;
-  material.name = source.name;
-  material.base_color = glm::vec4(colorOf(pbr.baseColorFactor, glm::vec3(1)), 1);
-  material.metallic = glm::clamp(static_cast<float>(pbr.metallicFactor), 0.0f, 1.0f);
-  material.roughness = glm::clamp(static_cast<float>(pbr.roughnessFactor), 0.0f, 1.0f);
-  material.emissive = colorOf(source.emissiveFactor, glm::vec3(0));
-  material.double_sided = source.doubleSided;
-  if (const tinygltf::Value* object = extension(source.extensions)) {
-    auto binding = readBinding(reader, *object, at("materials", index) + ".extensions." + kExtension);
-    if (!binding) return binding.issue();
-    material.flat_btf = *binding;
-  }
+  MaterialReader in{reader, reader.model.materials[index], at("materials", index), material};
+  material.name = in.source.name;
+  for (auto* read : {&readCore, &readSpecular, &readSheen, &readClearcoat, &readEmissiveStrength}) read(in);
+  material.unlit = in.source.extensions.contains("KHR_materials_unlit");
+  if (Status status = readFlatBtf(reader, in.source, in.place, material.flat_btf); !status)
+    return status.issue();
   return material;
 }
 
@@ -106,21 +139,6 @@ std::optional<int> indexMember(const tinygltf::Value& object, const char* key) {
 std::string stringMember(const tinygltf::Value& object, const char* key) {
   if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsString()) return {};
   return object.Get(key).Get<std::string>();
-}
-
-Status readAssets(Reader& reader) {
-  const tinygltf::Value* root = extension(reader.model.extensions);
-  if (!root) return {};
-  const std::string place = std::string("extensions.") + kExtension;
-  if (!root->Has("assets") || !root->Get("assets").IsArray())
-    return reader.issue(issue_id::kGltfExtension, place, "needs an array \"assets\"");
-  const tinygltf::Value& assets = root->Get("assets");
-  for (size_t i = 0; i < assets.ArrayLen(); ++i) {
-    auto asset = readAsset(reader, assets.Get(static_cast<int>(i)), i);
-    if (!asset) return asset.issue();
-    reader.scene.assets.push_back(*std::move(asset));
-  }
-  return {};
 }
 
 Status readMaterials(Reader& reader) {

@@ -3,10 +3,13 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "runtime/scene/animation.h"
 #include "runtime/scene/gltf_reader.h"
 
 namespace loden::runtime::gltf {
 namespace {
+
+constexpr size_t kMaxInstances = size_t(1) << 17;
 
 bool isFinite(const glm::mat4& m) {
   for (int c = 0; c < 4; ++c)
@@ -15,38 +18,100 @@ bool isFinite(const glm::mat4& m) {
   return true;
 }
 
-glm::mat4 localTransform(const tinygltf::Node& node) {
-  glm::mat4 m(1);
-  if (node.matrix.size() == 16) {
-    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = static_cast<float>(node.matrix[i]);
-    return m;
+SceneNode nodeOf(const Reader& reader, const tinygltf::Node& source, int parent) {
+  SceneNode node;
+  node.name = source.name;
+  node.parent = parent;
+  if (source.matrix.size() == 16)
+    for (int i = 0; i < 16; ++i) node.matrix[i / 4][i % 4] = static_cast<float>(source.matrix[size_t(i)]);
+  else {
+    if (source.translation.size() == 3)
+      node.translation = {source.translation[0], source.translation[1], source.translation[2]};
+    if (source.rotation.size() == 4) {
+      const glm::quat q(static_cast<float>(source.rotation[3]), static_cast<float>(source.rotation[0]),
+                        static_cast<float>(source.rotation[1]), static_cast<float>(source.rotation[2]));
+      if (glm::length(q) > 0) node.rotation = glm::normalize(q);
+    }
+    if (source.scale.size() == 3) node.scale = {source.scale[0], source.scale[1], source.scale[2]};
   }
-  if (node.translation.size() == 3)
-    m = glm::translate(m, glm::vec3(node.translation[0], node.translation[1], node.translation[2]));
-  if (node.rotation.size() == 4) {
-    const glm::quat q(static_cast<float>(node.rotation[3]), static_cast<float>(node.rotation[0]),
-                      static_cast<float>(node.rotation[1]), static_cast<float>(node.rotation[2]));
-    if (glm::length(q) > 0) m *= glm::mat4_cast(glm::normalize(q));
-  }
-  if (node.scale.size() == 3) m = glm::scale(m, glm::vec3(node.scale[0], node.scale[1], node.scale[2]));
-  return m;
+  const std::vector<double>* weights = &source.weights;
+  if (weights->empty() && source.mesh >= 0 && size_t(source.mesh) < reader.model.meshes.size())
+    weights = &reader.model.meshes[size_t(source.mesh)].weights;
+  for (const double weight : *weights)
+    node.weights.push_back(std::isfinite(weight) ? static_cast<float>(weight) : 0.0f);
+  return node;
 }
 
-void addInstances(Reader& reader, const tinygltf::Node& node, const glm::mat4& world) {
-  for (const Reader::Part& part : reader.parts[node.mesh])
-    reader.scene.instances.push_back({node.name, part.mesh, part.material, world});
+// One transform per instance of EXT_mesh_gpu_instancing; the identity for nodes without it.
+Result<std::vector<glm::mat4>> instanceTransforms(const Reader& reader, const tinygltf::Node& node,
+                                                  const std::string& place) {
+  const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
+  if (found == node.extensions.end()) return std::vector<glm::mat4>{glm::mat4(1)};
+  const std::string where = place + ".extensions.EXT_mesh_gpu_instancing";
+  if (!found->second.IsObject() || !found->second.Has("attributes"))
+    return reader.issue(issue_id::kGltfExtension, where, "needs attributes");
+  const tinygltf::Value& attributes = found->second.Get("attributes");
+  std::vector<float> parts[3];
+  constexpr const char* kNames[3] = {"TRANSLATION", "ROTATION", "SCALE"};
+  constexpr size_t kWidths[3] = {3, 4, 3};
+  size_t count = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const std::optional<int> accessor = indexMember(attributes, kNames[k]);
+    if (!accessor) continue;
+    auto values = readFloats(reader, *accessor, int(kWidths[k]), where + "." + kNames[k]);
+    if (!values) return values.issue();
+    if (count != 0 && values->size() != count * kWidths[k])
+      return reader.issue(issue_id::kGltfExtension, where, "its attributes differ in length");
+    count = values->size() / kWidths[k];
+    parts[k] = *std::move(values);
+  }
+  if (count > kMaxInstances) return reader.issue(issue_id::kGltfExtension, where, "has too many instances");
+  std::vector<glm::mat4> transforms(count, glm::mat4(1));
+  for (size_t i = 0; i < count; ++i) {
+    const auto part = [&](size_t k) { return parts[k].empty() ? nullptr : parts[k].data() + i * kWidths[k]; };
+    glm::mat4& m = transforms[i];
+    if (const float* t = part(0)) m = glm::translate(m, glm::vec3(t[0], t[1], t[2]));
+    if (const float* r = part(1)) {
+      const glm::quat q(r[3], r[0], r[1], r[2]);
+      if (glm::length(q) > 0) m *= glm::mat4_cast(glm::normalize(q));
+    }
+    if (const float* s = part(2)) m = glm::scale(m, glm::vec3(s[0], s[1], s[2]));
+  }
+  return transforms;
 }
 
-void addCamera(Reader& reader, const tinygltf::Node& node, const glm::mat4& world) {
+Status addInstances(Reader& reader, const tinygltf::Node& node, int scene_node, const glm::mat4& world,
+                    const std::string& place) {
+  const auto transforms = instanceTransforms(reader, node, place);
+  if (!transforms) return transforms.issue();
+  for (const Reader::Part& part : reader.parts[size_t(node.mesh)]) {
+    if (reader.scene.instances.size() + transforms->size() > kMaxInstances)
+      return reader.issue(issue_id::kGltfNode, place, "the scene has too many instances of meshes");
+    // Without joints of its own a mesh ignores its node's skin.
+    const bool skinned = !reader.scene.meshes[size_t(part.mesh)].influences.empty();
+    for (const glm::mat4& transform : *transforms) {
+      Instance instance{node.name, part.mesh, part.material, world * transform, scene_node, transform, -1};
+      if (skinned) instance.skin = node.skin;
+      if (instance.skin >= 0) instance.world_from_local = glm::mat4(1);
+      if (!isFinite(instance.world_from_local))
+        return reader.issue(issue_id::kGltfNode, place, "an instance's transform is not finite");
+      reader.scene.instances.push_back(std::move(instance));
+    }
+  }
+  return {};
+}
+
+void addCamera(Reader& reader, const tinygltf::Node& node, int scene_node, const glm::mat4& world) {
   const tinygltf::Camera& source = reader.model.cameras[node.camera];
   const double fov = source.perspective.yfov;
   if (source.type != "perspective" || !(fov > 0.01 && fov < 3.1))
     return reader.note(issue_id::kGltfNode, at("cameras", node.camera), "is no usable perspective camera");
-  reader.scene.cameras.push_back({source.name, world, static_cast<float>(fov)});
+  reader.scene.cameras.push_back({source.name, world, static_cast<float>(fov), scene_node});
 }
 
-Light lightOf(const tinygltf::Light& source, const glm::mat4& world) {
+Light lightOf(const tinygltf::Light& source, int scene_node, const glm::mat4& world) {
   Light light;
+  light.node = scene_node;
   light.kind = source.type == "directional" ? LightKind::kSun
                : source.type == "spot"      ? LightKind::kSpot
                                             : LightKind::kPoint;
@@ -75,7 +140,7 @@ Result<int> lightIndex(const Reader& reader, const tinygltf::Node& node, const s
   return *index;
 }
 
-Status addNode(Reader& reader, size_t index, const glm::mat4& world) {
+Status addNode(Reader& reader, size_t index, int scene_node, const glm::mat4& world) {
   const tinygltf::Node& node = reader.model.nodes[index];
   const std::string place = at("nodes", index);
   const auto bad = [&](const char* text) { return reader.issue(issue_id::kGltfNode, place, text); };
@@ -84,11 +149,15 @@ Status addNode(Reader& reader, size_t index, const glm::mat4& world) {
     return bad("mesh does not exist");
   if (node.camera < -1 || node.camera >= static_cast<int>(reader.model.cameras.size()))
     return bad("camera does not exist");
+  if (node.skin < -1 || node.skin >= static_cast<int>(reader.model.skins.size()))
+    return bad("skin does not exist");
   const Result<int> light = lightIndex(reader, node, place);
   if (!light) return light.issue();
-  if (node.mesh >= 0) addInstances(reader, node, world);
-  if (node.camera >= 0) addCamera(reader, node, world);
-  if (*light >= 0) reader.scene.lights.push_back(lightOf(reader.model.lights[*light], world));
+  if (node.mesh >= 0)
+    if (Status status = addInstances(reader, node, scene_node, world, place); !status) return status;
+  if (node.camera >= 0) addCamera(reader, node, scene_node, world);
+  if (*light >= 0)
+    reader.scene.lights.push_back(lightOf(reader.model.lights[size_t(*light)], scene_node, world));
   return {};
 }
 
@@ -120,25 +189,28 @@ Status readNodes(Reader& reader) {
   if (!roots) return roots.issue();
   struct Pending {
     int node;
-    glm::mat4 parent;
+    int parent;  // of the scene's nodes
+    glm::mat4 world_from_parent;
   };
   std::vector<Pending> stack;
-  for (auto root = roots->rbegin(); root != roots->rend(); ++root) stack.push_back({*root, glm::mat4(1)});
-  std::vector<bool> visited(reader.model.nodes.size(), false);
+  for (auto root = roots->rbegin(); root != roots->rend(); ++root) stack.push_back({*root, -1, glm::mat4(1)});
+  reader.nodes.assign(reader.model.nodes.size(), -1);
   while (!stack.empty()) {
     const Pending next = stack.back();
     stack.pop_back();
-    if (next.node < 0 || size_t(next.node) >= visited.size())
+    if (next.node < 0 || size_t(next.node) >= reader.nodes.size())
       return reader.issue(issue_id::kGltfNode, at("nodes", size_t(next.node)), "does not exist");
-    if (visited[next.node])
+    if (reader.nodes[size_t(next.node)] >= 0)
       return reader.issue(issue_id::kGltfNode, at("nodes", next.node),
                           "is part of a loop, or has two parents");
-    visited[next.node] = true;
-    const tinygltf::Node& node = reader.model.nodes[next.node];
-    const glm::mat4 world = next.parent * localTransform(node);
-    if (Status status = addNode(reader, next.node, world); !status) return status;
+    const tinygltf::Node& node = reader.model.nodes[size_t(next.node)];
+    const int scene_node = static_cast<int>(reader.scene.nodes.size());
+    reader.nodes[size_t(next.node)] = scene_node;
+    reader.scene.nodes.push_back(nodeOf(reader, node, next.parent));
+    const glm::mat4 world = next.world_from_parent * parentFromNode(reader.scene.nodes.back());
+    if (Status status = addNode(reader, size_t(next.node), scene_node, world); !status) return status;
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-      stack.push_back({*child, world});
+      stack.push_back({*child, scene_node, world});
   }
   return {};
 }

@@ -50,17 +50,27 @@ struct ConfinedFiles {
   tinygltf::FsCallbacks callbacks() { return {&exists, &expand, &readWhole, &refuseWrite, this}; }
 };
 
-bool skipImage(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
-               void*) {
+// Keeps the bytes of an image for later. What lies in a buffer view is read there, after checks that tinygltf
+// does not make.
+bool keepImage(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+               int size, void*) {
+  if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
   return true;
 }
 
 Status checkRequired(const tinygltf::Model& model, const std::string& file) {
   for (const std::string& name : model.extensionsRequired)
-    if (!isSupportedGltfExtension(name))
+    if (!isDrawnGltfExtension(name))
       return Issue{issue_id::kGltfRequired, Severity::kError, file + ": extensionsRequired",
                    "needs " + name.substr(0, 100) + ", which is not supported: export without it"};
   return {};
+}
+
+// What a viewer of the file would show and this one does not, each by its name.
+void noteUndrawn(gltf::Reader& reader) {
+  for (const std::string& name : reader.model.extensionsUsed)
+    if (!isDrawnGltfExtension(name))
+      reader.note(issue_id::kGltfExtension, "extensionsUsed", name.substr(0, 100) + " is not drawn");
 }
 
 Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::filesystem::path& folder,
@@ -68,7 +78,7 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
   tinygltf::TinyGLTF loader;
   ConfinedFiles files{folder, {}};
   loader.SetFsCallbacks(files.callbacks());
-  loader.SetImageLoader(&skipImage, nullptr);
+  loader.SetImageLoader(&keepImage, nullptr);
   tinygltf::Model model;
   std::string error, warning;
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
@@ -85,15 +95,19 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
   return model;
 }
 
-Result<Scene> convert(const tinygltf::Model& model, const std::filesystem::path& path) {
-  gltf::Reader reader{model, path.parent_path(), path.string(), {}, {}};
+Result<Scene> convert(const tinygltf::Model& model, const std::filesystem::path& path,
+                      const SceneOptions& options) {
+  gltf::Reader reader{model, path.parent_path(), path.string(), {}, {}, {}, 0, {}, {}};
   reader.scene.name = path.stem().string();
-  for (auto* part : {&gltf::readAssets, &gltf::readMaterials, &gltf::readMeshes, &gltf::readNodes})
+  noteUndrawn(reader);
+  if (Status status = gltf::readVariants(reader, options.variant); !status) return status.issue();
+  for (auto* part : {&gltf::readAssets, &gltf::readMaterials, &gltf::readMeshes, &gltf::readNodes,
+                     &gltf::readSkins, &gltf::readAnimations})
     if (Status status = part(reader); !status) return status.issue();
   return std::move(reader.scene);
 }
 
-Result<Scene> load(const std::filesystem::path& path) {
+Result<Scene> load(const std::filesystem::path& path, const SceneOptions& options) {
   const std::string file = path.string();
   const auto bytes = readRegularFile(path);
   if (!bytes) return bytes.issue();
@@ -103,14 +117,14 @@ Result<Scene> load(const std::filesystem::path& path) {
   const auto model = parse(*bytes, path.parent_path(), file);
   if (!model) return model.issue();
   if (Status required = checkRequired(*model, file); !required) return required.issue();
-  return convert(*model, path);
+  return convert(*model, path, options);
 }
 
 }  // namespace
 
-Result<Scene> loadGltfScene(const std::filesystem::path& path) {
+Result<Scene> loadGltfScene(const std::filesystem::path& path, const SceneOptions& options) {
   try {
-    return load(path);
+    return load(path, options);
   } catch (const std::exception& error) {  // tinygltf and its JSON parser throw on some malformed input
     return Issue{issue_id::kGltfParse, Severity::kError, path.string(), error.what()};
   }

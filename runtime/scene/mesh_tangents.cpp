@@ -32,8 +32,8 @@ glm::vec4 tangentAgainst(const glm::vec3& normal, const glm::vec3& sum, float si
 // Keeps one copy of each vertex per sign of the UV area that its triangles have.
 class SignSplitter {
  public:
-  explicit SignSplitter(std::vector<Vertex>& vertices)
-      : vertices_(vertices), signs_(vertices.size(), 0.0f), sums_(vertices.size(), glm::vec3(0)) {}
+  explicit SignSplitter(Mesh& mesh)
+      : mesh_(mesh), signs_(mesh.vertices.size(), 0.0f), sums_(mesh.vertices.size(), glm::vec3(0)) {}
 
   // The index to use in a triangle with this frame; adds the frame to it.
   uint32_t add(uint32_t index, const TriangleFrame& frame) {
@@ -44,25 +44,26 @@ class SignSplitter {
   }
 
   void store() {
-    for (size_t i = 0; i < vertices_.size(); ++i)
-      vertices_[i].tangent = tangentAgainst(vertices_[i].normal, sums_[i], signs_[i]);
+    appendCopies(mesh_, copied_);
+    for (size_t i = 0; i < mesh_.vertices.size(); ++i)
+      mesh_.vertices[i].tangent = tangentAgainst(mesh_.vertices[i].normal, sums_[i], signs_[i]);
   }
 
  private:
   uint32_t copyWithSign(uint32_t index, float sign) {
     if (signs_[index] == 0) signs_[index] = sign;
     if (signs_[index] == sign) return index;
-    const auto [it, fresh] = mirrored_.try_emplace(index, static_cast<uint32_t>(vertices_.size()));
+    const auto [it, fresh] = mirrored_.try_emplace(index, static_cast<uint32_t>(signs_.size()));
     if (fresh) {
-      const Vertex copy = vertices_[index];
-      vertices_.push_back(copy);
+      copied_.push_back(index);
       signs_.push_back(sign);
       sums_.push_back(glm::vec3(0));
     }
     return it->second;
   }
 
-  std::vector<Vertex>& vertices_;
+  Mesh& mesh_;
+  std::vector<uint32_t> copied_;  // the vertices whose copies come behind the mesh's own
   std::vector<float> signs_;
   std::vector<glm::vec3> sums_;
   std::unordered_map<uint32_t, uint32_t> mirrored_;
@@ -85,7 +86,7 @@ void computeNormals(Mesh& mesh) {
 }
 
 void computeTangents(Mesh& mesh) {
-  SignSplitter splitter(mesh.vertices);
+  SignSplitter splitter(mesh);
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     uint32_t* index = &mesh.indices[i];
     const TriangleFrame frame =

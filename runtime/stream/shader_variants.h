@@ -36,7 +36,7 @@ struct ProgramRow {
   std::string_view name;
   std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
   std::string_view defines[2];        // more defines, "NAME VALUE", or empty
-  bool none = false;                  // may be built without a material
+  bool none = false;                  // may be built without a Loden material
   bool material = false;              // for materials, of a near term, bands or both
   bool relief = false;                // only for variants whose lookup finds a depth
 };
@@ -44,9 +44,13 @@ struct ProgramRow {
 inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
 inline constexpr std::string_view kFollowSurface = "SCENE_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
 
+inline constexpr std::string_view kBase = "SCENE_BASE 1";  // glTF's own material
+
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", {}, true, false},
-    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, true, true},
+    {"scene_base", "scene_base.vert.glsl", "scene_base.frag.glsl", {kBase}, true, false},
+    {"scene_base_depth", "scene_base.vert.glsl", "scene_base_depth.frag.glsl", {kBase}, true, false},
+    {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, false, true},
     {"scene_forward_curved",
      "scene_forward.vert.glsl",
      "scene_forward.frag.glsl",

@@ -1,0 +1,42 @@
+// Private to the renderer: glTF's own materials on the GPU.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "runtime/gl/gl_objects.h"
+#include "runtime/scene/scene.h"
+
+namespace loden::runtime {
+
+// One per material of the scene, and glTF's default material behind them.
+class BaseMaterials {
+ public:
+  // Uploads every image that a material uses, with mipmaps, once per colour space and sampler. Images larger
+  // than the driver's textures are halved until they fit.
+  explicit BaseMaterials(const Scene& scene);
+
+  // The index of an instance's material.
+  int indexOf(const Instance& instance) const {
+    return instance.material >= 0 ? instance.material : static_cast<int>(materials_.size()) - 1;
+  }
+  AlphaMode alphaMode(int material) const { return materials_[size_t(material)].alpha_mode; }
+  // Binds the textures and the uniform block of one.
+  void bind(int material) const;
+  // On the GPU, mipmaps included.
+  uint64_t textureBytes() const { return texture_bytes_; }
+
+ private:
+  struct Item {
+    AlphaMode alpha_mode = AlphaMode::kOpaque;
+    std::array<uint32_t, kTextureRoles> textures{};  // GL names; 0: none
+  };
+  std::vector<GlTexture> textures_;
+  std::vector<Item> materials_;
+  GlBuffer uniforms_;
+  size_t stride_ = 0;
+  uint64_t texture_bytes_ = 0;
+};
+
+}  // namespace loden::runtime

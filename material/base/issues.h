@@ -51,6 +51,7 @@ inline constexpr int kMeasured = 6006;
 inline constexpr int kGoal = 6007;
 inline constexpr int kOption = 6008;
 inline constexpr int kTileMaterial = 6009;
+inline constexpr int kCamera = 6010;
 // 7xxx: GPU and memory
 inline constexpr int kGlContext = 7001;
 inline constexpr int kShader = 7002;

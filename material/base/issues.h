@@ -25,6 +25,7 @@ inline constexpr int kTrailing = 2011;
 inline constexpr int kLimit = 2012;
 inline constexpr int kMissingChunk = 2013;
 inline constexpr int kOrder = 2014;
+inline constexpr int kPrefix = 2015;
 // 3xxx: header
 inline constexpr int kHeaderField = 3001;
 inline constexpr int kDirections = 3002;

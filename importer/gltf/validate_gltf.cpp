@@ -6,7 +6,7 @@
 #include "importer/gltf/gltf_document.h"
 #include "importer/gltf/gltf_resource.h"
 #include "importer/gltf/pack.h"
-#include "material/asset/asset.h"
+#include "importer/gltf/validate.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/issues.h"
 #include "material/system/confined_path.h"
@@ -219,7 +219,7 @@ class SceneCheck {
       issues_.push_back(bytes.issue());
       return;
     }
-    const auto found = validateAsset(std::as_bytes(std::span(*bytes)), name);
+    const auto found = validateAssetBytes(std::as_bytes(std::span(*bytes)), name);
     issues_.insert(issues_.end(), found.begin(), found.end());
   }
 

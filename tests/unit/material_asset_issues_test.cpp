@@ -416,7 +416,7 @@ TEST(AssetIssues, MapField) {
                          [](Material& m) { m.stored_vdim->zeniths = 1; },
                          [](Material& m) { m.stored_vdim->range.y = kInfinity; },
                          [](Material& m) { m.surface->specular_scale = kNan; },
-                         [](Material& m) { m.surface->specular_scale = 65505; },
+                         [](Material& m) { m.surface->specular_scale = 65537; },
                          [](Material& m) { m.surface->normal.mips = 9; },
                          [](Material& m) { m.surface->diffuse.mips = 3; },
                          [](Material& m) { m.surface->lambda_first = -1; },

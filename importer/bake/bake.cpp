@@ -135,6 +135,13 @@ bool present(const Item& item) {
                      [&](const fs::path& file) { return fs::exists(file, error); });
 }
 
+// What a resumed bake keeps: files that are there and can be decoded, since a full disk or a power cut may
+// have left damaged ones behind.
+bool isWhole(const Item& item) {
+  return std::all_of(item.files.begin(), item.files.end(),
+                     [](const fs::path& file) { return readImage(file).ok(); });
+}
+
 Status write(const fs::path& path, const Image& image, PixelType type) {
   return writeImage(path, image.width, image.height, image.channels, type, image.pixels);
 }
@@ -215,7 +222,7 @@ Status makeItems(const std::vector<Item>& items, const BakeOptions& options, con
   const auto start = std::chrono::steady_clock::now();
   std::vector<const Item*> due;
   for (size_t k = 0; k < items.size(); ++k)
-    if (int(k % size_t(options.shards)) == options.shard && !(options.resume && present(items[k])))
+    if (int(k % size_t(options.shards)) == options.shard && !(options.resume && isWhole(items[k])))
       due.push_back(&items[k]);
   Progress progress("bake " + tile_name, due.size(), options.quiet);
   for (const Item* item : due) {

@@ -9,10 +9,12 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <span>
 
 #include "importer/base/file_read.h"
 #include "importer/btf/baked_files.h"
 #include "material/base/issues.h"
+#include "material/system/atomic_file.h"
 
 namespace loden::importer {
 namespace {
@@ -45,8 +47,8 @@ std::string foreignPart(const fs::path& folder) {
   return {};
 }
 
-std::string processSuffix() {
-  return ".tmp" + std::to_string(getpid());
+Status writeText(const fs::path& path, const std::string& text) {
+  return writeFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
 // The manifest text in the folder, of a finished or unfinished bake; empty if there is none.
@@ -160,8 +162,7 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
                    "cannot be created: " + error.message()};
   }
   if (const auto stands = readFile(unfinishedPath(folder)); !stands || *stands != wanted)
-    if (const Status status = writeText(unfinishedPath(folder), wanted, processSuffix()); !status)
-      return status.issue();
+    if (const Status status = writeText(unfinishedPath(folder), wanted); !status) return status.issue();
   BakeFolder result;
   result.folder_ = folder;
   result.manifest_ = manifest;
@@ -174,9 +175,8 @@ Status BakeFolder::finish(const std::function<Status()>& last) const {
   if (shared_)
     if (Status status = lock.acquire(folder_); !status) return status;
   if (Status status = last(); !status) return status;
-  if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_), processSuffix());
-      !status)
-    return status;
+  if (Status status = flushFileSystem(folder_); !status) return status;
+  if (const Status status = writeText(finishedPath(folder_), manifestText(manifest_)); !status) return status;
   std::error_code error;
   fs::remove(unfinishedPath(folder_), error);
   return {};

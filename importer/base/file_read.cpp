@@ -1,6 +1,7 @@
 #include "importer/base/file_read.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -16,11 +17,26 @@ Issue cannot(int id, const std::filesystem::path& path, const char* what, int er
   return {id, Severity::kError, path.string(), std::string(what) + ": " + std::strerror(error)};
 }
 
+// Open for reading, a regular file, or a folder if that is allowed. What else stands there is not waited for:
+// a pipe opens at once, and is refused.
+Result<int> openToRead(const std::filesystem::path& path, bool folders) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return cannot(issue_id::kCannotOpen, path, "cannot be opened", errno);
+  struct stat status {};
+  const int error = ::fstat(file, &status) != 0 ? errno : 0;
+  if (error == 0 && (S_ISREG(status.st_mode) || (folders && S_ISDIR(status.st_mode)))) return file;
+  ::close(file);
+  if (error != 0 || S_ISDIR(status.st_mode))
+    return cannot(issue_id::kCannotOpen, path, "cannot be opened", error != 0 ? error : EISDIR);
+  return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "is no regular file"};
+}
+
 }  // namespace
 
 Result<std::string> readFile(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return cannot(issue_id::kCannotOpen, path, "cannot be opened", errno);
+  const Result<int> opened = openToRead(path, false);
+  if (!opened) return opened.issue();
+  const int file = *opened;
   std::string bytes;
   std::array<char, 1 << 16> block;
   ssize_t got = 0;
@@ -33,12 +49,9 @@ Result<std::string> readFile(const std::filesystem::path& path) {
 }
 
 Status checkOpens(const std::filesystem::path& path, Openable what) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // does not wait at a pipe
-  if (file < 0) return cannot(issue_id::kCannotOpen, path, "cannot be opened", errno);
-  ::close(file);
-  std::error_code error;
-  if (what == Openable::kFile && std::filesystem::is_directory(path, error))
-    return cannot(issue_id::kCannotOpen, path, "cannot be opened", EISDIR);
+  const Result<int> file = openToRead(path, what == Openable::kFileOrFolder);
+  if (!file) return file.issue();
+  ::close(*file);
   return {};
 }
 

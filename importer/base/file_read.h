@@ -8,11 +8,11 @@
 
 namespace loden::importer {
 
-// The whole file, a pipe included. Issues: kCannotOpen; kCannotRead, of folders too.
+// The whole of a regular file. Issues: kCannotOpen, of folders, pipes and devices too; kCannotRead.
 Result<std::string> readFile(const std::filesystem::path& path);
 
-// Whether a file, or a folder where that may be one, is there and readable, for libraries that do not say why
-// they cannot open it. Issues: kCannotOpen.
+// Whether a regular file, or a folder where that may be one, is there and readable, for libraries that do not
+// say why they cannot open it, or wait at a pipe. Issues: kCannotOpen.
 enum class Openable { kFile, kFileOrFolder };
 Status checkOpens(const std::filesystem::path& path, Openable what);
 

@@ -1,9 +1,12 @@
 #include "importer/base/image_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
+
 #include "importer/base/file_read.h"
-#include "importer/base/temporary_file.h"
+#include "importer/base/image_encode.h"
 #include "material/base/check.h"
 #include "material/base/issues.h"
 
@@ -11,13 +14,6 @@ namespace loden::importer {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The same name every time: a killed run's leftover is overwritten by the next.
-fs::path temporaryName(const fs::path& path) {
-  std::string name(".");
-  name += path.stem().string();
-  return path.parent_path() / (name + ".tmp" + path.extension().string());
-}
 
 OIIO::TypeDesc oiioType(PixelType type) {
   switch (type) {
@@ -31,26 +27,15 @@ OIIO::TypeDesc oiioType(PixelType type) {
   return OIIO::TypeDesc::FLOAT;
 }
 
-Issue cannotWrite(const fs::path& path, const std::string& why) {
-  return {issue_id::kCannotWrite, Severity::kError, path.string(), "cannot be written: " + why};
-}
-
 }  // namespace
 
 Status writeImage(const fs::path& path, int width, int height, int channels, PixelType type,
                   std::span<const float> pixels) {
   LODEN_CHECK_EQ(pixels.size(), size_t(width) * size_t(height) * size_t(channels));
-  TemporaryFile temporary(temporaryName(path));
-  const auto output = OIIO::ImageOutput::create(temporary.path().string());
-  if (!output) return cannotWrite(path, OIIO::geterror());
   OIIO::ImageSpec spec(width, height, channels, oiioType(type));
   spec.attribute("DateTime", "1970:01:01 00:00:00");  // else the writing time: equal bakes have equal bytes
   if (path.extension() == ".exr") spec.attribute("compression", "zip:1");
-  if (!output->open(temporary.path().string(), spec)) return cannotWrite(path, output->geterror());
-  const bool written = output->write_image(OIIO::TypeDesc::FLOAT, pixels.data());
-  if (!output->close() || !written) return cannotWrite(path, output->geterror());
-  if (const std::error_code error = temporary.renameTo(path)) return cannotWrite(path, error.message());
-  return {};
+  return writeEncoded(path, spec, OIIO::TypeDesc::FLOAT, pixels.data(), Flush::kLater);
 }
 
 Result<Image> readImage(const fs::path& path) {
@@ -65,6 +50,19 @@ Result<Image> readImage(const fs::path& path) {
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
     return Issue{issue_id::kImage, Severity::kError, path.string(), "cannot be read: " + input->geterror()};
   return image;
+}
+
+glm::ivec2 imageExtents(std::span<const unsigned char> bytes) {
+  constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G'}, kJpeg[] = {0xff, 0xd8};
+  const auto begins = [&](std::span<const unsigned char> mark) {
+    return bytes.size() >= mark.size() && std::equal(mark.begin(), mark.end(), bytes.begin());
+  };
+  const char* name = begins(kPng) ? "memory.png" : begins(kJpeg) ? "memory.jpg" : nullptr;
+  if (name == nullptr) return {0, 0};
+  OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
+  const auto input = OIIO::ImageInput::open(name, nullptr, &memory);
+  if (!input) return OIIO::geterror(), glm::ivec2(0);
+  return {input->spec().width, input->spec().height};
 }
 
 }  // namespace loden::importer

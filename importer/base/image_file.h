@@ -1,7 +1,8 @@
-// Whole images to and from files. OpenImageIO behind it, named nowhere else in the bake.
+// Whole images to and from files.
 #pragma once
 
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -16,9 +17,13 @@ struct Image {
   std::vector<float> pixels;  // row-major, channels interleaved; size width * height * channels
 };
 
-// Row 0 first. Written beside the target and renamed, so a file of that name is always complete.
+// Row 0 first. Encoded in memory and written by writeFileAtomically, so a file of that name is always
+// complete. Not flushed: images are many, and what marks them as complete flushes them all.
 Status writeImage(const std::filesystem::path& path, int width, int height, int channels, PixelType type,
                   std::span<const float> pixels);
 Result<Image> readImage(const std::filesystem::path& path);
+
+// Width and height of a PNG or JPEG that is in memory, read from its header; {0, 0} if it is neither.
+glm::ivec2 imageExtents(std::span<const unsigned char> bytes);
 
 }  // namespace loden::importer

@@ -1,16 +1,14 @@
 #include "importer/base/picture.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <string>
 
 #include "importer/base/file_read.h"
-#include "importer/base/temporary_file.h"
+#include "importer/base/image_encode.h"
 #include "material/base/issues.h"
 #include "material/model/color.h"
 
@@ -95,39 +93,26 @@ Status checkPictureName(const std::filesystem::path& path) {
                "output must end in .exr, .hdr, .png or .jpg"};
 }
 
-Status writePicture(const Picture& picture, const std::filesystem::path& path) {
+Status writePicture(const Picture& picture, const std::filesystem::path& path, Flush flush) {
   if (Status status = checkPictureName(path); !status) return status;
   const std::string extension = loweredExtension(path);
   const bool integer = isInteger(extension);
-  TemporaryFile temporary(std::filesystem::path(path).replace_extension(".tmp" + extension));
-  const auto output = OIIO::ImageOutput::create(temporary.path().string());
   const int channels = extension == ".exr" ? 4 : 3;
   OIIO::ImageSpec spec(picture.width, picture.height, channels, integer ? OIIO::TypeUInt8 : OIIO::TypeFloat);
-  if (integer) spec.attribute("oiio:ColorSpace", "sRGB");
-  const Issue cannot{issue_id::kCannotWrite, Severity::kError, path.string(),
-                     "cannot be written; does the folder exist, and is there room?"};
-  if (!output || !output->open(temporary.path().string(), spec)) return cannot;
-  const bool written = integer
-                           ? output->write_image(OIIO::TypeUInt8, rgb8From(picture).data())
-                           : output->write_image(OIIO::TypeFloat, picture.pixels.data(), sizeof(glm::vec4));
-  if (!output->close() || !written || temporary.renameTo(path)) return cannot;
-  return {};
+  if (!integer)
+    return writeEncoded(path, spec, OIIO::TypeFloat, picture.pixels.data(), flush, sizeof(glm::vec4));
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  return writeEncoded(path, spec, OIIO::TypeUInt8, rgb8From(picture).data(), flush);
 }
 
 Result<std::vector<unsigned char>> encodeRgb8(const std::vector<unsigned char>& rgb, int width, int height,
                                               PictureCodec codec) {
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const char* name = codec == PictureCodec::kPng ? "memory.png" : "memory.jpg";
-  const auto output = OIIO::ImageOutput::create(name);
   OIIO::ImageSpec spec(width, height, 3, OIIO::TypeUInt8);
   spec.attribute("png:compressionLevel", 9);
   spec.attribute("Compression", "jpeg:100");
   spec.attribute("jpeg:subsampling", "4:4:4");
-  if (!output || !output->set_ioproxy(&memory) || !output->open(name, spec) ||
-      !output->write_image(OIIO::TypeUInt8, rgb.data()) || !output->close())
-    return imageIssue(name, "cannot be encoded");
-  return bytes;
+  return encodeImage(codec == PictureCodec::kPng ? "memory.png" : "memory.jpg", spec, OIIO::TypeUInt8,
+                     rgb.data());
 }
 
 }  // namespace loden::importer

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "material/base/result.h"
+#include "material/system/atomic_file.h"
 
 namespace loden::importer {
 
@@ -24,8 +25,8 @@ Result<Picture> readPicture(const std::filesystem::path& path);
 Status checkPictureName(const std::filesystem::path& path);
 
 // By the extension: .exr float RGBA linear; .png and .jpg 8 bit sRGB, clamped, without alpha; .hdr RGBE.
-// Written to a temporary file and renamed.
-Status writePicture(const Picture& picture, const std::filesystem::path& path);
+// Encoded in memory and written by writeFileAtomically.
+Status writePicture(const Picture& picture, const std::filesystem::path& path, Flush flush = Flush::kNow);
 
 // Bytes of a width x height 8-bit RGB image as PNG (level 9) or JPEG (quality 100, no chroma subsampling).
 enum class PictureCodec { kPng, kJpeg };

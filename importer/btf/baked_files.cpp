@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "material/base/issues.h"
@@ -171,22 +170,6 @@ Result<BakeManifest> parseManifest(const std::string& text, const std::string& w
   } catch (const nlohmann::json::exception& error) {
     return refuse(std::string("not a bake manifest: ") + error.what());
   }
-}
-
-Status writeText(const fs::path& path, const std::string& text, const std::string& temporary_suffix) {
-  const fs::path temporary = path.string() + temporary_suffix;
-  const auto refuse = [&](const std::string& why) {
-    return Issue{issue_id::kCannotWrite, Severity::kError, path.string(), "cannot be written: " + why};
-  };
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file << text;
-    if (!file.flush()) return refuse("no space or no permission");
-  }
-  std::error_code error;
-  fs::rename(temporary, path, error);
-  if (error) return refuse(error.message());
-  return {};
 }
 
 }  // namespace loden::importer

@@ -39,8 +39,4 @@ std::optional<FillMethod> fillByName(const std::string& name);
 std::string manifestText(const BakeManifest& manifest);
 Result<BakeManifest> parseManifest(const std::string& text, const std::string& where);
 
-// Text into a file, whole or not at all. `temporary_suffix` tells apart processes that write the same file.
-Status writeText(const std::filesystem::path& path, const std::string& text,
-                 const std::string& temporary_suffix);
-
 }  // namespace loden::importer

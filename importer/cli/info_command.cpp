@@ -10,6 +10,7 @@
 #include "material/base/issues.h"
 #include "material/model/environment.h"
 #include "material/model/leading_part.h"
+#include "material/system/asset_io.h"
 
 namespace loden::importer {
 namespace {
@@ -193,19 +194,16 @@ class InfoCommand : public Command {
     };
     if (kind == InputKind::kGltf) return wrong("is a scene; `loden validate` looks at it and at its assets");
     if (kind == InputKind::kBakedOutput) return wrong("is a baked output; `loden cook` makes an asset of it");
-    auto bytes = readFile(path_);
-    if (!bytes) return fail(bytes.issue());
-    const std::span<const std::byte> view = std::as_bytes(std::span(*bytes));
-    const std::vector<Issue> issues = validateAsset(view, path_.string());
-    auto source = std::shared_ptr<const ByteSource>(memorySource({view.begin(), view.end()}, path_.string()));
-    const auto file = AssetFile::open(std::move(source), path_.string());
+    auto opened = openFileSource(path_);
+    if (!opened) return fail(opened.issue());
+    const std::shared_ptr<const ByteSource> source = std::move(*opened);
+    const std::vector<Issue> issues = inspectAsset(*source, path_.string());
+    const auto file = AssetFile::open(source, path_.string());
     if (globals.json)
-      printAsJson(bytes->size(), file, issues);
+      printAsJson(source->size(), file, issues);
     else
-      printAsText(bytes->size(), file, issues);
-    const bool broken = std::any_of(issues.begin(), issues.end(),
-                                    [](const Issue& i) { return i.severity == Severity::kError; });
-    return broken || !file ? kExitInvalid : kExitOk;
+      printAsText(source->size(), file, issues);
+    return exitCodeOfAll(issues);
   }
 
  private:

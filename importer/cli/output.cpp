@@ -32,6 +32,15 @@ int fail(const Issue& issue) {
   return exitCodeOf(issue);
 }
 
+int exitCodeOfAll(std::span<const Issue> issues) {
+  int code = kExitOk;
+  for (const Issue& issue : issues) {
+    if (issue.id == issue_id::kMemory) return kExitRuntime;
+    if (issue.severity == Severity::kError) code = kExitInvalid;
+  }
+  return code;
+}
+
 int failUsage(const std::string& text) {
   std::fprintf(stderr, "loden: %s\n", text.c_str());
   return kExitUsage;

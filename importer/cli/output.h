@@ -17,6 +17,9 @@ class RepairLog;
 
 // "file: place: what; remedy" on stderr; returns the exit code that goes with it.
 int fail(const Issue& issue);
+// Of what was found in a file: kExitInvalid if there is an error, kExitRuntime if that is want of memory,
+// which says nothing about the file.
+int exitCodeOfAll(std::span<const Issue> issues);
 int failUsage(const std::string& text);
 // A note on stderr, unless quiet.
 void note(const GlobalOptions& globals, const std::string& text);

@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Issue cameraIssue(const std::filesystem::path& path, const std::string& text) {
-  return {issue_id::kOption, Severity::kError, path.string(),
+  return {issue_id::kCamera, Severity::kError, path.string(),
           text + R"(; write {"position":[x,y,z],"target":[x,y,z],"fov_degrees":40})"};
 }
 

@@ -6,7 +6,7 @@
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
 #include "importer/gltf/pack.h"
-#include "material/asset/asset.h"
+#include "importer/gltf/validate.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -38,6 +38,7 @@ class ValidateCommand : public Command {
       for (const Issue& issue : issues) list.push_back(issueJson(issue));
       printJson("validate", {{"file", path_.string()},
                              {"valid", errors == 0},
+                             {"prefix", isPrefix(issues)},
                              {"errors", errors},
                              {"warnings", warnings},
                              {"issues", list}});
@@ -45,16 +46,24 @@ class ValidateCommand : public Command {
       std::string text;
       for (const Issue& issue : issues) text += issueText(issue) + "\n";
       printText(text + formatted("%s: %s, %td errors, %td warnings\n", path_.c_str(),
-                                 errors ? "invalid" : "valid", errors, warnings));
+                                 errors             ? "invalid"
+                                 : isPrefix(issues) ? "valid prefix"
+                                                    : "valid",
+                                 errors, warnings));
     }
-    return errors ? kExitInvalid : kExitOk;
+    return exitCodeOfAll(issues);
   }
 
  private:
+  static bool isPrefix(const std::vector<Issue>& issues) {
+    return std::any_of(issues.begin(), issues.end(),
+                       [](const Issue& issue) { return issue.id == issue_id::kPrefix; });
+  }
+
   Result<std::vector<Issue>> validateAssetFile() const {
     const auto bytes = readFile(path_);
     if (!bytes) return bytes.issue();
-    return validateAsset(std::as_bytes(std::span(*bytes)), path_.string());
+    return validateAssetBytes(std::as_bytes(std::span(*bytes)), path_.string());
   }
 
   std::filesystem::path path_;

@@ -76,8 +76,8 @@ int64_t embedBytes(GltfDocument& document, const std::string& bytes) {
     if (arraySize(json, "buffers") == 0) json["buffers"] = Json::array({Json::object()});
     json["buffers"][0]["byteLength"] = chunk.size();
   } else {
-    json["buffers"].push_back({{"uri", std::string("data:") + kAssetMimeType + ";base64," + base64(bytes)},
-                               {"byteLength", bytes.size()}});
+    json["buffers"].push_back(
+        {{"uri", "data:application/octet-stream;base64," + base64(bytes)}, {"byteLength", bytes.size()}});
     buffer = static_cast<int64_t>(json["buffers"].size()) - 1;
   }
   json["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", bytes.size()}});

@@ -1,12 +1,14 @@
 // What `loden validate` says about a scene. Numbers as in material/base/issues.h.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "importer/base/file_read.h"
+#include "importer/gltf/gltf_accessor.h"
 #include "importer/gltf/gltf_document.h"
 #include "importer/gltf/gltf_resource.h"
 #include "importer/gltf/pack.h"
-#include "material/asset/asset.h"
+#include "importer/gltf/validate.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/issues.h"
 #include "material/system/confined_path.h"
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 class SceneCheck {
  public:
   SceneCheck(const fs::path& path, const GltfDocument& document)
-      : path_(path), document_(document), json_(document.json) {}
+      : path_(path), file_(path.string()), json_(document.json), buffers_(document, path_) {}
 
   std::vector<Issue> run() {
     issues_ = wrongTypes(json_, path_.string());
@@ -32,12 +34,17 @@ class SceneCheck {
     checkAssets();
     checkMaterials();
     checkDeclared();
+    append(checkSceneGraph(json_, buffers_, file_));
     return std::move(issues_);
   }
 
  private:
   void add(int id, const std::string& place, const std::string& text, Severity severity = Severity::kError) {
     issues_.push_back({id, severity, path_.string() + ": " + place, text});
+  }
+
+  void append(const std::vector<Issue>& issues) {
+    issues_.insert(issues_.end(), issues.begin(), issues.end());
   }
 
   static std::string at(const char* list, size_t i) {
@@ -63,19 +70,12 @@ class SceneCheck {
     return GltfResource::open(uri, path_.parent_path(), path_.string() + ": " + place);
   }
 
-  // Only the first buffer of a .glb is the binary chunk, and only without a uri.
-  Result<GltfResource> openBuffer(size_t i) const {
-    if (const std::string* uri = uriOf(json_["buffers"][i])) return openUri(*uri, at("buffers", i) + ".uri");
-    if (document_.binary && i == 0) return GltfResource::of(document_.binary_chunk);
-    return Issue{issue_id::kGltfAccessor, Severity::kError, path_.string() + ": " + at("buffers", i),
-                 "has no uri, and is no binary chunk"};
-  }
-
   // Every buffer has the bytes that it declares.
   void checkBuffers() {
     for (size_t i = 0; i < arraySize(json_, "buffers"); ++i) {
-      const auto buffer = openBuffer(i);
+      const auto& buffer = buffers_.at(i);
       const int64_t declared = integerMember(json_["buffers"][i], "byteLength");
+      checkMediaType(i);
       if (!buffer)
         issues_.push_back(buffer.issue());
       else if (declared < 1)
@@ -85,6 +85,15 @@ class SceneCheck {
             "has " + std::to_string(buffer->size()) + " bytes of the " + std::to_string(declared) +
                 " that it declares");
     }
+  }
+
+  // Of a buffer in the document itself: glTF knows two.
+  void checkMediaType(size_t i) {
+    const std::string* uri = uriOf(json_["buffers"][i]);
+    if (uri && isDataUri(*uri) && !uri->starts_with("data:application/octet-stream;") &&
+        !uri->starts_with("data:application/gltf-buffer;"))
+      add(issue_id::kGltfParse, at("buffers", i) + ".uri",
+          "is of another media type than application/octet-stream and application/gltf-buffer");
   }
 
   void checkImages() {
@@ -111,47 +120,23 @@ class SceneCheck {
     }
   }
 
-  static int64_t elementBytes(const Json& accessor) {
-    const int64_t type = integerMember(accessor, "componentType");
-    const int64_t component = type == 5120 || type == 5121   ? 1
-                              : type == 5122 || type == 5123 ? 2
-                              : type == 5125 || type == 5126 ? 4
-                                                             : 0;
-    const std::string shape =
-        accessor.is_object() && accessor.contains("type") && accessor["type"].is_string()
-            ? accessor["type"].get<std::string>()
-            : "";
-    const int64_t count = shape == "SCALAR"                    ? 1
-                          : shape == "VEC2"                    ? 2
-                          : shape == "VEC3"                    ? 3
-                          : shape == "VEC4" || shape == "MAT2" ? 4
-                          : shape == "MAT3"                    ? 9
-                          : shape == "MAT4"                    ? 16
-                                                               : 0;
-    return component * count;
-  }
-
   void checkAccessors() {
-    constexpr int64_t kMaxCount = int64_t{1} << 32;
     for (size_t i = 0; i < arraySize(json_, "accessors"); ++i) {
       const Json& accessor = json_["accessors"][i];
-      const int64_t count = integerMember(accessor, "count"), element = elementBytes(accessor);
-      if (element == 0 || count < 1 || count > kMaxCount) {
+      const auto shape = accessorShape(accessor);
+      if (!shape) {
         add(issue_id::kGltfAccessor, at("accessors", i), "has an invalid type, componentType or count");
         continue;
       }
-      if (!accessor.contains("bufferView")) continue;
-      const int64_t view = integerMember(accessor, "bufferView");
-      if (view < 0 || static_cast<size_t>(view) >= arraySize(json_, "bufferViews")) {
-        add(issue_id::kGltfAccessor, at("accessors", i), "names no existing bufferView");
-        continue;
+      if (accessor.contains("bufferView")) {
+        const int64_t offset = accessor.contains("byteOffset") ? integerMember(accessor, "byteOffset") : 0;
+        const std::string fault = viewFault(json_, integerMember(accessor, "bufferView"), offset,
+                                            shape->count, shape->elementBytes());
+        if (!fault.empty()) add(issue_id::kGltfAccessor, at("accessors", i), fault);
       }
-      const Json& buffer_view = json_["bufferViews"][view];
-      const int64_t stride = std::max(element, integerMember(buffer_view, "byteStride"));
-      const int64_t offset = accessor.contains("byteOffset") ? integerMember(accessor, "byteOffset") : 0;
-      const int64_t length = integerMember(buffer_view, "byteLength");
-      if (offset < 0 || stride > 252 || length < offset || (count - 1) * stride + element > length - offset)
-        add(issue_id::kGltfAccessor, at("accessors", i), "does not lie inside its bufferView");
+      if (accessor.contains("sparse") && !visitAccessor(json_, buffers_, i, [](uint64_t, int, double) {}))
+        add(issue_id::kGltfAccessor, at("accessors", i) + ".sparse",
+            "does not lie inside its bufferViews, or names elements that are not there");
     }
   }
 
@@ -166,6 +151,10 @@ class SceneCheck {
 
   void checkAssets() {
     const Json& assets = rootAssets();
+    if (json_.contains("extensions") && json_["extensions"].is_object() &&
+        json_["extensions"].contains(kExtensionName) && json_["extensions"][kExtensionName].is_object() &&
+        !json_["extensions"][kExtensionName].contains("assets"))
+      add(issue_id::kGltfExtension, std::string("extensions.") + kExtensionName, "needs an array \"assets\"");
     for (size_t i = 0; i < assets.size(); ++i) {
       const std::string place = "extensions." + std::string(kExtensionName) + "." + at("assets", i);
       const Json& asset = assets[i];
@@ -184,10 +173,10 @@ class SceneCheck {
     const auto relative =
         relativePathOfUri(uri, path_.string() + ": " + place);  // an asset's uri is never data
     const auto file = relative ? openUri(uri, place) : Result<GltfResource>(relative.issue());
-    if (file)
-      checkBytes(*file, 0, file->size(), (path_.parent_path() / *relative).string());
-    else
+    if (!file)
       issues_.push_back(file.issue());
+    else if (const fs::path path = path_.parent_path() / *relative; checked_.insert(path.string()).second)
+      checkBytes(*file, 0, file->size(), path.string());
   }
 
   void checkEmbedded(const Json& asset, const std::string& place) {
@@ -202,8 +191,9 @@ class SceneCheck {
     const int64_t index = integerMember(buffer_view, "buffer");
     if (index < 0 || static_cast<size_t>(index) >= arraySize(json_, "buffers"))
       return;  // said by checkBufferViews
-    const auto buffer = openBuffer(static_cast<size_t>(index));
+    const auto& buffer = buffers_.at(static_cast<size_t>(index));
     if (!buffer) return;  // said by checkBuffers
+    if (!checked_.insert("bufferView " + std::to_string(view)).second) return;
     const int64_t offset = std::max<int64_t>(0, integerMember(buffer_view, "byteOffset"));
     const int64_t length = integerMember(buffer_view, "byteLength"),
                   size = static_cast<int64_t>(buffer->size());
@@ -219,14 +209,16 @@ class SceneCheck {
       issues_.push_back(bytes.issue());
       return;
     }
-    const auto found = validateAsset(std::as_bytes(std::span(*bytes)), name);
-    issues_.insert(issues_.end(), found.begin(), found.end());
+    append(validateAssetBytes(std::as_bytes(std::span(*bytes)), name));
   }
 
-  static bool areNumbers(const Json& value, size_t count) {
-    return value.is_array() && value.size() == count &&
-           std::all_of(value.begin(), value.end(),
-                       [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); });
+  // Two numbers that single precision holds as finite ones other than 0.
+  static bool isScale(const Json& value) {
+    return value.is_array() && value.size() == 2 &&
+           std::all_of(value.begin(), value.end(), [](const Json& v) {
+             const float number = v.is_number() ? static_cast<float>(v.get<double>()) : 0.0f;
+             return std::isfinite(number) && number != 0;
+           });
   }
 
   void checkMaterials() {
@@ -242,8 +234,8 @@ class SceneCheck {
       if (asset < 0 || static_cast<size_t>(asset) >= rootAssets().size())
         add(issue_id::kGltfExtension, place + ".asset", "names no asset of the root extension");
       if (!extension.is_object()) continue;
-      if (extension.contains("scale") && !areNumbers(extension["scale"], 2))
-        add(issue_id::kGltfExtension, place + ".scale", "must be two finite numbers");
+      if (extension.contains("scale") && !isScale(extension["scale"]))
+        add(issue_id::kGltfExtension, place + ".scale", "must be two finite numbers other than 0");
       if (extension.contains("rotation") && !extension["rotation"].is_number())
         add(issue_id::kGltfExtension, place + ".rotation", "must be a number, radians");
       checkTexCoord(extension, static_cast<int64_t>(m), place);
@@ -252,8 +244,8 @@ class SceneCheck {
 
   void checkTexCoord(const Json& extension, int64_t material, const std::string& place) {
     const int64_t set = extension.contains("texCoord") ? integerMember(extension, "texCoord") : 0;
-    if (set < 0) {
-      add(issue_id::kGltfExtension, place + ".texCoord", "must be a non-negative integer");
+    if (set < 0 || set > 15) {
+      add(issue_id::kGltfExtension, place + ".texCoord", "must be an integer from 0 to 15");
       return;
     }
     const std::string attribute = "TEXCOORD_" + std::to_string(set);
@@ -274,8 +266,10 @@ class SceneCheck {
   }
 
   const fs::path& path_;
-  const GltfDocument& document_;
+  const std::string file_;
   const Json& json_;
+  GltfBuffers buffers_;
+  std::set<std::string> checked_;  // assets, each by its file or buffer view: many may refer to one
   std::vector<Issue> issues_;
   int uses_ = 0;
 };

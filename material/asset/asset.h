@@ -44,7 +44,10 @@ struct AssetLimits {
   static constexpr uint32_t kMaxHeadBytes = 131072;            // raw HEAD; no valid record is longer
   static constexpr uint32_t kMaxMetaBytes = 1048576;           // text about the cooking
   static constexpr uint32_t kMaxChunkBytes = 2147483648;       // one chunk, stored or raw
+  static constexpr uint32_t kMaxAssetBytes = 1073741824;       // raw bytes of all chunks together
   static constexpr uint32_t kMaxRatio = 1000;                  // raw : stored
+  static constexpr uint32_t kMaxSideRatio = 8;                 // side : the greatest side of a texture
+  static constexpr uint32_t kMaxValue = 65504;                 // magnitude of a factor, a scale or a texel
   static constexpr uint32_t kTableEnd = 4096;                  // the chunk table ends within the first 4 KiB,
   static constexpr uint32_t kMaxChunks = 84;                   // which is what fits there
   static constexpr uint32_t kAlignment = 64;                   // of every chunk's offset
@@ -80,6 +83,10 @@ Result<Material> readAsset(const ByteSource& source, const std::string& name);
 // Every issue found, the chunk table's first and then in file order; empty if valid, as a prefix that ends at
 // a chunk is. Best effort: goes on after an issue where it can.
 std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name);
+
+// What validateAsset finds without decompressing a texel: in the chunk table, the header, the checksums and
+// the padding. Reads the source chunk by chunk.
+std::vector<Issue> inspectAsset(const ByteSource& source, const std::string& name);
 
 // An asset opened but not loaded: header, mean and directions are read, bands and maps come on demand. What
 // streaming uses. The source may be a prefix, cut anywhere after the header: what is not whole is absent.

@@ -1,8 +1,10 @@
 #include "material/asset/asset_check.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace loden::asset {
 namespace {
@@ -16,6 +18,11 @@ using issue_id::kMapSize;
 
 bool within(double value, double low, double high) {
   return value >= low && value <= high;
+}
+
+// What products of weight, table and scales stay finite with, in single precision.
+bool isValue(float value) {
+  return within(value, -double(Limits::kMaxValue), Limits::kMaxValue);
 }
 
 // Well-formed UTF-8 (RFC 3629) without control characters other than, where `lines` allows, tab and line
@@ -74,8 +81,11 @@ class MaterialCheck {
            Limits::kMaxLambda);
     header(within(m_.lambda_max, 0, Limits::kMaxLambda), "lambda_max ", m_.lambda_max, " is not in 0..",
            Limits::kMaxLambda);
-    header(std::isfinite(m_.value_scale) && m_.value_scale > 0, "value_scale ", m_.value_scale,
-           " is not positive");
+    header(m_.value_scale > 0 && isValue(m_.value_scale), "value_scale ", m_.value_scale,
+           " is not positive, or above ", Limits::kMaxValue);
+    const uint64_t finest = uint64_t{Limits::kMaxSideRatio} * static_cast<uint64_t>(greatestSide());
+    header(m_.side < 0 || static_cast<uint64_t>(m_.side) <= finest, "side ", m_.side, " is more than ",
+           Limits::kMaxSideRatio, " times that of any texture");
     header(m_.theta_max > 0 && m_.theta_max < kHalfPi, "theta_max ", m_.theta_max,
            " is not between 0 and pi / 2");
     header(within(m_.aspect, 1.0 / Limits::kMaxAspect, Limits::kMaxAspect), "aspect ", m_.aspect,
@@ -88,10 +98,21 @@ class MaterialCheck {
     header(m_.mode != Mode::kSurface || m_.bands.empty(), "a material of mode surface has bands");
   }
 
+  // Of the textures that are read over x or p; 1 if there are none.
+  int greatestSide() const {
+    int side = std::max(1, m_.geometry.texels.width);
+    for (const Band& band : m_.bands) side = std::max(side, band.weights.width);
+    if (m_.stored_vdim) side = std::max(side, m_.stored_vdim->side);
+    if (m_.surface)
+      for (const Texture* map : {&m_.surface->normal, &m_.surface->color, &m_.surface->ambient})
+        side = std::max({side, map->width, map->height});
+    return side;
+  }
+
   void checkMean() {
     const PhongMean& mean = m_.mean;
     for (const float value : {mean.ka, mean.kd, mean.ks, mean.alpha, mean.cb, mean.cr}) {
-      header(std::isfinite(value), "mean: a coefficient is not finite");
+      header(isValue(value), "mean: a coefficient is not in -", Limits::kMaxValue, "..", Limits::kMaxValue);
     }
     header(!(mean.alpha < 0), "mean: alpha ", mean.alpha, " is negative");
     header(mean.chroma <= MeanChroma::kRatio, "mean: chroma ", static_cast<uint32_t>(mean.chroma),
@@ -150,8 +171,8 @@ class MaterialCheck {
                            within(band.light_quads, 0, Limits::kMaxQuads);
     require(quads_fit, "the numbers of quads are not in 0..", Limits::kMaxQuads,
             ", or none is of Y or chroma");
-    for (const glm::vec4& scale : band.quad_scale) checkFinite(scale, i, "quad_scale");
-    checkFinite(band.ratio_scale, i, "ratio_scale");
+    for (const glm::vec4& scale : band.quad_scale) checkScale(scale, i, "quad_scale");
+    checkScale(band.ratio_scale, i, "ratio_scale");
     if (!quads_fit) return;
     require(within(band.lead_quads, 0, std::min(band.y_quads, band.quads() - 1)), "lead_quads ",
             band.lead_quads, " is more than y_quads, or leaves no rest");
@@ -165,10 +186,10 @@ class MaterialCheck {
     if (band.light_quads > 0) checkLightTable(band, join("HEAD, band ", i, ", light table"));
   }
 
-  void checkFinite(const glm::vec4& value, size_t band, const char* field) {
-    const bool finite =
-        std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z) && std::isfinite(value.w);
-    issues_.require(finite, kBandField, join("HEAD, band ", band), field, " is not finite");
+  void checkScale(const glm::vec4& value, size_t band, const char* field) {
+    issues_.require(isValue(value.x) && isValue(value.y) && isValue(value.z) && isValue(value.w), kBandField,
+                    join("HEAD, band ", band), field, " is not in -", Limits::kMaxValue, "..",
+                    Limits::kMaxValue);
   }
 
   void checkWeights(const Band& band, const std::string& place) {
@@ -310,25 +331,28 @@ class MaterialCheck {
   IssueList& issues_;
 };
 
-// Texels of 16-bit and 32-bit floats whose exponent is all ones are infinite or not a number.
+// Texels of floats whose bits without the sign are at most `most`, the greatest value that is allowed.
 template <class Bits>
-void checkFiniteTexels(const std::vector<std::byte>& data, Bits exponent, const std::string& place,
-                       IssueList& issues) {
+void checkFloatTexels(const std::vector<std::byte>& data, Bits most, const std::string& place,
+                      IssueList& issues) {
+  constexpr Bits kMagnitude = std::numeric_limits<Bits>::max() >> 1;
   size_t bad = 0, first = 0;
   for (size_t i = 0; i < data.size() / sizeof(Bits); ++i) {
     Bits bits;
     std::memcpy(&bits, data.data() + i * sizeof bits, sizeof bits);
-    if ((bits & exponent) == exponent && bad++ == 0) first = i;
+    if ((bits & kMagnitude) > most && bad++ == 0) first = i;
   }
-  issues.require(bad == 0, issue_id::kNonFinite, place, bad, " values are not finite, the first at ", first);
+  issues.require(bad == 0, issue_id::kNonFinite, place, bad, " values are not finite, or not in -",
+                 Limits::kMaxValue, "..", Limits::kMaxValue, ", the first at ", first);
 }
 
 void checkTexels(const Texture& t, const std::string& place, IssueList& issues) {
   const uint64_t expected = textureBytes(t);
   issues.require(t.data.size() == expected, issue_id::kMapSize, place, t.data.size(),
                  " bytes; the extents need ", expected);
-  if (t.format == TexelFormat::kRGBA16Sfloat) checkFiniteTexels<uint16_t>(t.data, 0x7c00, place, issues);
-  if (t.format == TexelFormat::kRGBA32Sfloat) checkFiniteTexels<uint32_t>(t.data, 0x7f800000, place, issues);
+  if (t.format == TexelFormat::kRGBA16Sfloat) checkFloatTexels<uint16_t>(t.data, 0x7bff, place, issues);
+  if (t.format == TexelFormat::kRGBA32Sfloat)
+    checkFloatTexels(t.data, std::bit_cast<uint32_t>(float(Limits::kMaxValue)), place, issues);
 }
 
 // Layers beyond those that a band uses hold zeros.

@@ -183,10 +183,14 @@ std::vector<ChunkInfo> readChunkTable(const ByteSource& source, IssueList& issue
                  "chunk table", "the checksum does not match");
   issues.require(reserved == 0, issue_id::kChunkTable, "chunk table", "a reserved field is not zero");
   std::vector<ChunkInfo> chunks(count);
+  uint64_t raw_bytes = 0;
   for (size_t i = 0; i < count; ++i) {
     chunks[i] = readEntry(in, i, issues);
     checkEntry(chunks[i], chunkPlace(i, chunks[i].type), issues);
+    raw_bytes += std::min<uint64_t>(chunks[i].raw_bytes, Limits::kMaxChunkBytes);
   }
+  issues.require(raw_bytes <= Limits::kMaxAssetBytes, issue_id::kLimit, "chunk table", raw_bytes,
+                 " raw bytes in all; the limit is ", Limits::kMaxAssetBytes);
   checkOffsets(chunks, issues);
   return chunks;
 }

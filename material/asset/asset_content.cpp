@@ -231,4 +231,18 @@ Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues
   return material;
 }
 
+void inspectAll(const ByteSource& source, IssueList& issues) {
+  const Contents contents = readContents(source, issues);
+  if (contents.chunks.empty()) return;
+  for (size_t i = 0; i < contents.chunks.size(); ++i) {
+    const ChunkInfo& chunk = contents.chunks[i];
+    checkPadding(source, contents.chunks, i, issues);
+    if (static_cast<int>(i) >= contents.present) break;
+    if (i == 0) continue;  // HEAD has been read
+    const auto stored = readStored(source, chunk, issues.where(chunkPlace(i, chunk.type)));
+    if (!stored) issues.add(stored.issue());
+  }
+  checkEnd(source, contents, issues);
+}
+
 }  // namespace loden::asset

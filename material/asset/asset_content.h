@@ -35,4 +35,7 @@ void loadRest(const ByteSource& source, const ChunkInfo& chunk, size_t index, co
 // `stop_at_first`, does no more work after an issue.
 Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues);
 
+// Checks table, header, checksums, padding and end, and decompresses HEAD alone.
+void inspectAll(const ByteSource& source, IssueList& issues);
+
 }  // namespace loden::asset

@@ -48,4 +48,14 @@ std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::st
   return issues.take();
 }
 
+std::vector<Issue> inspectAsset(const ByteSource& source, const std::string& name) {
+  IssueList issues(name);
+  const Status done = withoutExceptions(name, [&]() -> Status {
+    inspectAll(source, issues);
+    return {};
+  });
+  if (!done) issues.add(done.issue());
+  return issues.take();
+}
+
 }  // namespace loden

@@ -25,6 +25,7 @@ inline constexpr int kTrailing = 2011;
 inline constexpr int kLimit = 2012;
 inline constexpr int kMissingChunk = 2013;
 inline constexpr int kOrder = 2014;
+inline constexpr int kPrefix = 2015;
 // 3xxx: header
 inline constexpr int kHeaderField = 3001;
 inline constexpr int kDirections = 3002;
@@ -51,6 +52,7 @@ inline constexpr int kMeasured = 6006;
 inline constexpr int kGoal = 6007;
 inline constexpr int kOption = 6008;
 inline constexpr int kTileMaterial = 6009;
+inline constexpr int kCamera = 6010;
 // 7xxx: GPU and memory
 inline constexpr int kGlContext = 7001;
 inline constexpr int kShader = 7002;

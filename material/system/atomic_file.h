@@ -9,8 +9,18 @@
 
 namespace loden {
 
-// Writes to a temporary file in the same folder, fsync, rename over `path`, fsync of the folder. On failure
-// (kCannotWrite) nothing is left behind and an existing file stays as it was.
-Status writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+// When a file reaches the disk: before the call returns, or whenever the system sees fit, for one of many
+// files that flushFileSystem follows.
+enum class Flush { kNow, kLater };
+
+// Writes to a temporary file in the same folder, flushes it and renames it to `path`. On failure
+// (kCannotWrite) nothing is left behind and an existing file stays as it was. The temporary file of a process
+// that was killed is removed when the same path is written again. A path at which something stands that is no
+// regular file, such as a folder, a pipe or a device, is refused.
+Status writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                           Flush flush = Flush::kNow);
+
+// Writes all that the file system with this folder has in memory to the disk. kCannotWrite if that fails.
+Status flushFileSystem(const std::filesystem::path& folder);
 
 }  // namespace loden

@@ -92,17 +92,17 @@ Result<Panorama> readPanorama(const std::filesystem::path& path) {
   std::string_view bytes(reinterpret_cast<const char*>(file.data()), file.size());
   int width = 0, height = 0;
   if (!takeHeader(bytes, width, height))
-    return issueOf(issue_id::kOption, path, "is no Radiance picture (.hdr) with its first line at the top");
+    return issueOf(issue_id::kImage, path, "is no Radiance picture (.hdr) with its first line at the top");
   if (width > kMaxWidth || height > kMaxHeight)
     return issueOf(issue_id::kLimit, path, "larger than 16384 x 8192 pixels");
   if (bytes.size() < leastBytes(width, height))
-    return issueOf(issue_id::kOption, path, "is damaged: it ends early");
+    return issueOf(issue_id::kImage, path, "is damaged: it ends early");
   Panorama panorama{width, height, {}};
   panorama.pixels.reserve(size_t(width) * size_t(height));
   std::vector<unsigned char> line(4 * size_t(width));
   for (int y = 0; y < height; ++y) {
     if (!takeLineOfPixels(bytes, width, line))
-      return issueOf(issue_id::kOption, path, "is damaged in line " + std::to_string(y));
+      return issueOf(issue_id::kImage, path, "is damaged in line " + std::to_string(y));
     for (size_t x = 0; x < line.size(); x += 4) {
       const float scale = line[x + 3] ? std::ldexp(1.0f, line[x + 3] - 136) : 0.0f;
       panorama.pixels.push_back(glm::vec3(line[x], line[x + 1], line[x + 2]) * scale);

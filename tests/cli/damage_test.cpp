@@ -73,7 +73,10 @@ void tryAllVerbs(const ScratchFolder& scratch, const std::string& sound, const D
   const Json report = Json::parse(validate.out, nullptr, false);
   ASSERT_TRUE(report.is_object()) << validate.out;
   EXPECT_EQ(report["valid"].get<bool>(), validate.exit_code == 0);
-  EXPECT_EQ(report["issues"].empty(), validate.exit_code == 0);
+  const bool prefix = validate.exit_code == 0 && damage.bytes.size() < sound.size();
+  EXPECT_EQ(report["prefix"].get<bool>(), prefix);
+  EXPECT_EQ(report["issues"].size() == 1 && report["issues"][0]["id"] == 2015, prefix);
+  EXPECT_EQ(report["issues"].empty(), validate.exit_code == 0 && !prefix);
 
   const ToolRun info = loden({"info", path, "--format", "json"});
   EXPECT_EQ(info.exit_code, validate.exit_code) << info.err;

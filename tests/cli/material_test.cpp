@@ -371,7 +371,7 @@ TEST(Trace, EveryNumberOfSamples_IsTaken) {
   EXPECT_EQ(loden({"compare", scratch / "3.exr", scratch / "4.exr", "--fail", "0", "-q"}).exit_code, 7);
 }
 
-TEST(Trace, CameraThatLooksAlongItsUp_IsUsage) {
+TEST(Trace, CameraThatLooksAlongItsUp_IsRefused) {
   const ScratchFolder scratch;
   writeText(scratch / "camera.json", R"({"position": [0, 0, 1], "target": [0, 0, 0]})");
   const ToolRun run = loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--size", "8x6", "--camera",
@@ -412,14 +412,58 @@ TEST(Walk, CloseCamera_SeesWhatTraceSees) {
   const double psnr = nlohmann::json::parse(run.out, nullptr, false)["all"]["psnr_db"];
   EXPECT_GT(psnr, 15) << "a black picture is at some 10";
 }
+
+TEST(Walk, BadCameraScriptOrEnvironment_IsInvalidInputInWordsOfOurOwn) {
+  const ScratchFolder scratch;
+  const std::string file = scratch / "file";
+  const auto walk = [&](const char* option, const std::string& text) {
+    writeText(file, text);
+    return runTool(LODEN_WALK, {"--asset", sharedAsset(), option, file, "--headless", "--frames", "1"});
+  };
+  const std::string good = R"("position": [0, 0, 1], "target": [0, 1, 0])";
+  const std::vector<std::string> bad_cameras{"",
+                                             "[",
+                                             "[]",
+                                             "3",
+                                             "{}",
+                                             R"({"position": [0, 0, 1]})",
+                                             R"({"position": [0, 0], "target": [0, 1, 0]})",
+                                             R"({"position": [0, 0, "x"], "target": [0, 1, 0]})",
+                                             R"({"position": [0, 0, 1e999], "target": [0, 1, 0]})",
+                                             R"({"position": [0, 0, 1], "target": [0, 0, 1]})",
+                                             std::string("{").append(good) + R"(, "fov_degrees": "wide"})",
+                                             std::string("{").append(good) + R"(, "fov_degrees": 180})",
+                                             std::string("{").append(good) + R"(, "up": null})",
+                                             std::string(100000, '[')};
+  const std::vector<std::string> bad_scripts{
+      "{}",
+      R"({"keyframes": {}})",
+      R"({"keyframes": []})",
+      R"({"keyframes": [3]})",
+      R"({"keyframes": [{)" + good + "}]}",
+      R"({"keyframes": [{"t": null, )" + good + "}]}",
+      R"({"keyframes": [{"t": 1, )" + good + R"(}, {"t": 1, )" + good + "}]}"};
+  const std::vector<std::string> bad_panoramas{"", "#?RADIANCE\n",
+                                               "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\nshort"};
+  for (const auto& [option, texts] : {std::pair{"--camera", &bad_cameras},
+                                      {"--camera", &bad_scripts},
+                                      {"--script", &bad_scripts},
+                                      {"--environment", &bad_panoramas}})
+    for (const std::string& text : *texts) {
+      const ToolRun run = walk(option, text);
+      EXPECT_EQ(run.exit_code, 3) << option << " " << text.substr(0, 80) << ": " << run.err;
+      EXPECT_NE(run.err.find(file), std::string::npos) << run.err;
+      EXPECT_EQ(run.err.find("json.exception"), std::string::npos) << run.err;
+    }
+}
 #endif
 
-TEST(Trace, BadCamera_IsUsageThatShowsTheForm) {
+TEST(Trace, BadCamera_IsInvalidInputAndTheMessageShowsTheForm) {
   const ScratchFolder scratch;
   writeText(scratch / "camera.json", R"({"position": [0, 1]})");
   const ToolRun run =
       loden({"trace", "builtin:pulli", "-o", scratch / "o.exr", "--camera", scratch / "camera.json"});
-  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("fov_degrees"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));
 }

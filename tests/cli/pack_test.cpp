@@ -131,7 +131,7 @@ TEST(Pack, EmbeddedInGltf_IsADataUriOfTheAssetsBytes) {
   const Json view =
       packed["bufferViews"][packed["extensions"][kExtension]["assets"][0]["bufferView"].get<size_t>()];
   Json& uri = packed["buffers"][view["buffer"].get<size_t>()]["uri"];
-  const std::string good = uri, head = "data:application/vnd.loden;base64,";
+  const std::string good = uri, head = "data:application/octet-stream;base64,";
   ASSERT_TRUE(good.starts_with(head)) << good.substr(0, 80);
   EXPECT_EQ(view["byteOffset"], 0);
   EXPECT_TRUE(decodedBase64(good.substr(head.size())) == fileText(sharedAsset()));

@@ -32,6 +32,10 @@ constexpr const char* kSmoothMetal =
 // 16 bit: 65535 0 0, 0 32768 0
 constexpr const char* kWide =
     "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABEAIAAAAr0DSeAAAAEElEQVR42mP4/58BDBqAGAAY9gJ/mPSaoAAAAABJRU5ErkJggg==";
+// 16384 x 16384 by its header, without any texel
+constexpr const char* kHuge =
+    "iVBORw0KGgoAAAANSUhEUgAAQAAAAEAACAIAAAAmqofT"
+    "AAAACElEQVR4nAMAAAAAAUgGidIAAAAASUVORK5CYII=";
 
 constexpr int kNearest = 9728, kRepeat = 10497, kClamp = 33071, kMirror = 33648;  // glTF's own numbers
 
@@ -429,6 +433,15 @@ TEST(TileMaterialRanges, AreCheckedInObjFilesToo) {
   for (const char* line : {"Kd 1 1 1", "Kd 0 0 0", "Ks 1 1 1", "Ns 0", "Ns 1000"})
     EXPECT_TRUE(loaded(line).ok()) << line;
   EXPECT_EQ(loaded("map_Kd weave.png")->warnings.size(), 1u);
+}
+
+TEST(TileTexture, PictureWithTooManyPixelsIsRefusedByItsHeader) {
+  Json json = checkerTile();
+  json["images"][0]["uri"] = std::string("data:image/png;base64,") + kHuge;
+  const auto tile = load(json);
+  ASSERT_FALSE(tile.ok());
+  EXPECT_EQ(tile.issue().id, issue_id::kTileMaterial);
+  EXPECT_NE(tile.issue().text.find("16384 x 16384"), std::string::npos) << tile.issue().text;
 }
 
 }  // namespace

@@ -219,6 +219,10 @@ TEST(AssetIssues, Limit) {
   expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) { chunks[1].stored_bytes = ~0ull; });
   expectForgedTableRejected(issue_id::kLimit,
                             [](Chunks& chunks) { chunks[1].raw_bytes = chunks[1].stored_bytes * 1000 + 1; });
+  expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) {
+    chunks[1].raw_bytes = chunks[2].raw_bytes = (1ull << 29) + 1;
+    chunks[1].stored_bytes = chunks[2].stored_bytes = 1ull << 28;
+  });
   Bytes file = *serializeAsset(test::fusedMaterial());
   file[16] = std::byte{85};
   expectRejected(file, issue_id::kLimit);
@@ -303,6 +307,10 @@ TEST(AssetIssues, HeaderField) {
                          [](Material& m) { m.side = 0; },
                          [](Material& m) { m.side = 16385; },
                          [](Material& m) { m.side = -1; },
+                         [](Material& m) { m.side = 16384; },
+                         [](Material& m) { m.mean.ka = 3.4e38f; },
+                         [](Material& m) { m.mean.kd = -65505; },
+                         [](Material& m) { m.value_scale = 65505; },
                          [](Material& m) { m.lambda_min = -1; },
                          [](Material& m) { m.lambda_max = kNan; },
                          [](Material& m) { m.value_scale = 0; },
@@ -362,6 +370,8 @@ TEST(AssetIssues, BandField) {
                          [](Material& m) { m.bands[0].lead_quads = 1; },
                          [](Material& m) { m.bands[0].quad_scale[0].z = kNan; },
                          [](Material& m) { m.bands[0].ratio_scale.x = kInfinity; },
+                         [](Material& m) { m.bands[0].ratio_scale.y = 1e9f; },
+                         [](Material& m) { m.bands[0].quad_scale[0].x = -65505; },
                          [](Material& m) { m.bands[0].weights.format = TexelFormat::kRGBA8Unorm; },
                          [](Material& m) { m.bands[0].weights.mips = 9; },
                          [](Material& m) { m.bands[0].weights.depth = 1; },
@@ -410,6 +420,7 @@ TEST(AssetIssues, MapField) {
                          [](Material& m) { m.stored_vdim->zeniths = 1; },
                          [](Material& m) { m.stored_vdim->range.y = kInfinity; },
                          [](Material& m) { m.surface->specular_scale = kNan; },
+                         [](Material& m) { m.surface->specular_scale = 65537; },
                          [](Material& m) { m.surface->normal.mips = 9; },
                          [](Material& m) { m.surface->color.mips = 3; },
                          [](Material& m) { m.surface->ambient.mips = 2; },
@@ -466,8 +477,13 @@ TEST(AssetIssues, MapSize) {
 
 TEST(AssetIssues, NonFiniteTexels) {
   Material material = test::lodMaterial();
-  std::memcpy(material.bands[0].table.data.data() + 4, &kNan, sizeof kNan);
-  expectBothReject(material, issue_id::kNonFinite);
+  for (const float value : {kNan, -kInfinity, 65505.f, -1e38f}) {
+    std::memcpy(material.bands[0].table.data.data() + 4, &value, sizeof value);
+    expectBothReject(material, issue_id::kNonFinite);
+  }
+  const float greatest = -65504;
+  std::memcpy(material.bands[0].table.data.data() + 4, &greatest, sizeof greatest);
+  EXPECT_TRUE(serializeAsset(material).ok());
 
   material = test::lodMaterial();
   Band& band = material.bands[1];
@@ -534,7 +550,10 @@ TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
       {"kMaxHeadBytes", Limits::kMaxHeadBytes},
       {"kMaxMetaBytes", Limits::kMaxMetaBytes},
       {"kMaxChunkBytes", Limits::kMaxChunkBytes},
+      {"kMaxAssetBytes", Limits::kMaxAssetBytes},
       {"kMaxRatio", Limits::kMaxRatio},
+      {"kMaxSideRatio", Limits::kMaxSideRatio},
+      {"kMaxValue", Limits::kMaxValue},
       {"kTableEnd", Limits::kTableEnd},
       {"kMaxChunks", Limits::kMaxChunks},
       {"kAlignment", Limits::kAlignment},

@@ -2,11 +2,18 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
@@ -110,6 +117,56 @@ TEST_F(AssetOnDisk, KeepsTheOldFileIfTheDiskIsFull) {
   EXPECT_EQ(written.issue().id, issue_id::kCannotWrite);
   EXPECT_EQ(filesLeft(), 1);
   EXPECT_EQ(fs::file_size(path), old_size);
+}
+
+// A limit on file size whose signal is not ignored ends the process in the middle of the write.
+TEST_F(AssetOnDisk, RemovesWhatAKilledWriterLeftWhenTheFileIsWrittenAgain) {
+  const fs::path path = folder_ / "cloth.loden";
+  const auto killed = [&] {
+    const pid_t child = fork();
+    if (child == 0) {
+      const rlimit limit{100, 100};
+      setrlimit(RLIMIT_FSIZE, &limit);
+      std::signal(SIGXFSZ, SIG_DFL);
+      (void)writeAsset(test::fusedMaterial(), path);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFSIGNALED(status);
+  };
+  ASSERT_TRUE(killed());
+  EXPECT_EQ(filesLeft(), 1) << "the temporary file";
+  ASSERT_TRUE(killed());
+  EXPECT_EQ(filesLeft(), 1) << "of the second; that of the first is gone";
+  ASSERT_TRUE(writeAsset(test::fusedMaterial(), path).ok());
+  EXPECT_EQ(filesLeft(), 1) << "the asset";
+  EXPECT_TRUE(fs::exists(path));
+}
+
+TEST_F(AssetOnDisk, WritersOfOneFileAtTheSameTimeDoNotMeet) {
+  const fs::path path = folder_ / "text";
+  std::vector<std::thread> writers;
+  std::atomic<int> failed{0};
+  for (int k = 0; k < 4; ++k)
+    writers.emplace_back([&, k] {
+      const std::string text(20000, static_cast<char>('a' + k));
+      for (int n = 0; n < 25; ++n) failed += !writeFileAtomically(path, std::as_bytes(std::span(text)));
+    });
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(failed, 0);
+  EXPECT_EQ(filesLeft(), 1);
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(text, std::string(20000, text.at(0)));
+}
+
+TEST_F(AssetOnDisk, DoesNotReplaceAPipe) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(writeAsset(test::fusedMaterial(), pipe).issue().id, issue_id::kCannotWrite);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(filesLeft(), 1);
 }
 
 TEST_F(AssetOnDisk, WritesNothingForAMaterialThatIsNotValid) {

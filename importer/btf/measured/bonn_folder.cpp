@@ -180,7 +180,7 @@ Result<std::unique_ptr<MeasuredSource>> openBonnFolder(const fs::path& folder) {
 namespace {
 
 Status writeImage(const Picture& picture, const fs::path& path, BonnEncoding encoding) {
-  if (encoding != BonnEncoding::kJpeg) return writePicture(picture, path);
+  if (encoding != BonnEncoding::kJpeg) return writePicture(picture, path, Flush::kLater);
   std::vector<unsigned char> rgb;
   for (const glm::vec4& pixel : picture.pixels)
     for (int c = 0; c < 3; ++c)
@@ -188,7 +188,7 @@ Status writeImage(const Picture& picture, const fs::path& path, BonnEncoding enc
           std::lround(srgbFromLinear(std::clamp(double(pixel[c]), 0.0, 1.0)) * 255)));
   const auto bytes = encodeRgb8(rgb, picture.width, picture.height, PictureCodec::kJpeg);
   if (!bytes) return bytes.issue();
-  return writeFileAtomically(path, std::as_bytes(std::span(*bytes)));
+  return writeFileAtomically(path, std::as_bytes(std::span(*bytes)), Flush::kLater);
 }
 
 Status writeView(const BtfSource& source, const fs::path& folder, BonnEncoding encoding, int view) {
@@ -234,7 +234,7 @@ Status writeBonnFolder(const BtfSource& source, const fs::path& folder, BonnEnco
     progress.advance();
   });
   if (issue) return *issue;
-  return {};
+  return flushFileSystem(folder);
 }
 
 }  // namespace loden::importer

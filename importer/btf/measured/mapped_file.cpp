@@ -12,7 +12,7 @@ namespace loden::importer {
 Result<std::shared_ptr<const MappedFile>> MappedFile::open(const std::filesystem::path& path) {
   const Issue cannot_open{issue_id::kCannotOpen, Severity::kError, path.string(),
                           "no such file, or not readable"};
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // does not wait at a pipe
   if (file < 0) return cannot_open;
   struct stat status {};
   void* bytes = nullptr;

@@ -1,9 +1,8 @@
 // Radiance RGBE pictures, flat and run-length encoded (Ward, "Real Pixels", and the Radiance file formats).
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <string>
 
+#include "importer/base/file_read.h"
 #include "importer/btf/measured/bonn_folder.h"
 #include "material/base/issues.h"
 
@@ -52,10 +51,9 @@ bool readScanline(const std::string& bytes, size_t& at, int width, std::vector<u
 }  // namespace
 
 Result<Picture> readRadiance(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return Issue{issue_id::kCannotOpen, Severity::kError, path.string(), "no such file, or not readable"};
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const auto file = readFile(path);
+  if (!file) return file.issue();
+  const std::string& bytes = *file;
   const size_t header_end = bytes.find("\n\n");
   if (!bytes.starts_with("#?") || header_end == std::string::npos)
     return radianceIssue(path, "is no Radiance picture");

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "importer/base/file_read.h"
+#include "importer/base/image_file.h"
 #include "importer/gltf/gltf_document.h"
 #include "importer/tile/file/gltf_materials.h"
 #include "importer/tile/polygon_mesh.h"
@@ -53,8 +54,37 @@ bool refuseWrite(std::string*, const std::string&, const std::vector<unsigned ch
   return false;
 }
 
-// --- Accessors
-// ----------------------------------------------------------------------------------------------
+// --- Pictures ----------------------------------------------------------------------------------------------
+
+constexpr uint64_t kMaxPicturePixels = uint64_t(8192) * 8192;  // of one picture
+constexpr uint64_t kMaxAllPixels = 4 * kMaxPicturePixels;      // of all pictures of the file together
+
+// What the pictures read so far come to, and what was wrong with the first that is too large.
+struct PictureBudget {
+  uint64_t pixels = 0;
+  std::string refused;
+};
+
+// Decodes a picture unless its header asks for more than the limits. One that is no PNG or JPEG stays empty,
+// which is said where a material asks for it.
+bool decodePicture(tinygltf::Image* image, int index, std::string* error, std::string* warning, int width,
+                   int height, const unsigned char* bytes, int size, void* user) {
+  auto& budget = *static_cast<PictureBudget*>(user);
+  const glm::ivec2 extents = imageExtents({bytes, size_t(std::max(size, 0))});
+  const uint64_t pixels = uint64_t(std::max(extents.x, 0)) * uint64_t(std::max(extents.y, 0));
+  if (pixels == 0) return true;
+  if (pixels > kMaxPicturePixels || pixels > kMaxAllPixels - budget.pixels) {
+    if (budget.refused.empty())
+      budget.refused = "image " + std::to_string(index) + " has " + std::to_string(extents.x) + " x " +
+                       std::to_string(extents.y) +
+                       " pixels; at most 8192 x 8192 are read, and four times as many of all images together";
+    return false;
+  }
+  budget.pixels += pixels;
+  return tinygltf::LoadImageData(image, index, error, warning, width, height, bytes, size, nullptr);
+}
+
+// --- Accessors ---------------------------------------------------------------------------------------------
 
 struct ComponentKind {
   size_t bytes;
@@ -347,6 +377,8 @@ Result<PolygonMesh> readGltfMesh(const fs::path& path) {
   fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks({fileExists, sameUri, readInto, refuseWrite, &folder});
+  PictureBudget pictures;
+  loader.SetImageLoader(decodePicture, &pictures);
   tinygltf::Model model;
   std::string error, warning;
   const auto size = static_cast<unsigned>(bytes->size());
@@ -359,6 +391,8 @@ Result<PolygonMesh> readGltfMesh(const fs::path& path) {
   } catch (const std::exception& thrown) {
     error = thrown.what();
   }
+  if (!pictures.refused.empty())
+    return Issue{issue_id::kTileMaterial, Severity::kError, name, pictures.refused};
   // An error beside a loaded file: what stands behind it in the same object was not read.
   if (!loaded || !error.empty())
     return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};

@@ -1,0 +1,160 @@
+// `loden validate` and the runtime's loader agree on what is a scene.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "importer/gltf/pack.h"
+#include "runtime/scene/gltf_scene.h"
+
+namespace loden {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+class GltfAgreement : public testing::Test {
+ protected:
+  GltfAgreement() : folder_(fs::temp_directory_path() / ("loden_agree_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    std::string bytes;
+    const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    for (const float v : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) add(v);
+    for (const float v : {0.f, 0.f, 1.f, 0.f, 0.f, 1.f}) add(v);
+    for (const uint16_t v : {uint16_t(0), uint16_t(1), uint16_t(2), uint16_t(7)}) add(v);
+    add(std::numeric_limits<float>::infinity()), add(0.f), add(0.f);
+    std::ofstream(folder_ / "scene.bin", std::ios::binary) << bytes;  // 80 bytes
+  }
+  ~GltfAgreement() override { fs::remove_all(folder_); }
+
+  // Two triangles of one mesh: 3 positions, 3 uvs, 3 indices.
+  static Json scene() {
+    return Json::parse(R"({
+      "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+      "nodes": [{"mesh": 0, "children": [1]}, {}],
+      "meshes": [{"primitives": [
+        {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+      "materials": [{"name": "cloth"}],
+      "buffers": [{"uri": "scene.bin", "byteLength": 80}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24},
+                      {"buffer": 0, "byteOffset": 60, "byteLength": 8},
+                      {"buffer": 0, "byteOffset": 68, "byteLength": 12}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                    {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
+                    {"bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR"},
+                    {"bufferView": 3, "componentType": 5126, "count": 1, "type": "VEC3"}]})");
+  }
+
+  fs::path write(const Json& json) const {
+    std::ofstream(folder_ / "scene.gltf", std::ios::binary) << json.dump();
+    return folder_ / "scene.gltf";
+  }
+  static bool isValid(const fs::path& path) {
+    const auto issues = importer::validateGltf(path);
+    return issues && std::none_of(issues->begin(), issues->end(),
+                                  [](const Issue& issue) { return issue.severity == Severity::kError; });
+  }
+  static bool isLoaded(const fs::path& path) { return runtime::loadGltfScene(path).ok(); }
+
+  fs::path folder_;
+};
+
+TEST_F(GltfAgreement, BothTakeWhatIsSound) {
+  EXPECT_TRUE(isValid(write(scene())));
+  EXPECT_TRUE(isLoaded(write(scene())));
+  Json plain = scene();
+  plain["meshes"][0]["primitives"][0].erase("indices");
+  plain.erase("scene");
+  plain["accessors"][0]["byteOffset"] = 0;
+  EXPECT_TRUE(isValid(write(plain)));
+  EXPECT_TRUE(isLoaded(write(plain)));
+  plain.erase("scenes");
+  EXPECT_TRUE(isValid(write(plain)));
+  EXPECT_TRUE(isLoaded(write(plain)));
+  Json embedded = scene();
+  embedded["buffers"][0] = {{"uri", "data:application/octet-stream;base64," + std::string(107, 'A') + "="},
+                            {"byteLength", 80}};
+  EXPECT_TRUE(isValid(write(embedded)));
+  EXPECT_TRUE(isLoaded(write(embedded)));
+}
+
+TEST_F(GltfAgreement, BothRefuseWhatIsNot) {
+  using Change = std::function<void(Json&)>;
+  const auto primitive = [](Json& j) -> Json& { return j["meshes"][0]["primitives"][0]; };
+  const std::vector<Change> changes{
+      [](Json& j) { j["nodes"][0]["children"] = {0}; },
+      [](Json& j) { j["nodes"][1]["children"] = {0}; },
+      [](Json& j) {
+        j["nodes"][0]["children"] = {1, 1};
+      },
+      [](Json& j) { j["nodes"][0]["children"] = {5}; },
+      [](Json& j) {
+        j["scenes"][0]["nodes"] = {0, 1};
+      },
+      [](Json& j) {
+        j["scenes"][0]["nodes"] = {0, 0};
+      },
+      [](Json& j) { j["scenes"][0]["nodes"] = {9}; },
+      [](Json& j) { j["scene"] = 3; },
+      [](Json& j) { j["nodes"][0]["mesh"] = 1; },
+      [](Json& j) { j["nodes"][0]["camera"] = 0; },
+      [](Json& j) {
+        j["nodes"][0]["translation"] = {1e300, 0, 0};
+      },
+      [](Json& j) { j["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 2; },
+      [&](Json& j) { primitive(j)["material"] = 4; },
+      [&](Json& j) { primitive(j)["indices"] = 9; },
+      [&](Json& j) { primitive(j)["indices"] = 0; },
+      [&](Json& j) { primitive(j)["attributes"]["POSITION"] = 9; },
+      [&](Json& j) { primitive(j)["attributes"]["POSITION"] = 1; },
+      [&](Json& j) { primitive(j)["attributes"].erase("POSITION"); },
+      [&](Json& j) { primitive(j)["attributes"]["NORMAL"] = 3; },
+      [](Json& j) { j["accessors"][1]["count"] = 2; },
+      [](Json& j) { j["accessors"][2]["count"] = 4; },       // one index is 7, and 4 make no triangles
+      [](Json& j) { j["accessors"][2]["byteOffset"] = 2; },  // 1, 2, 7
+      [](Json& j) { j["accessors"][2]["count"] = 2; },
+      [](Json& j) { j["accessors"][0]["count"] = 30; },
+      [](Json& j) { j["accessors"][0]["componentType"] = 1; },
+      [](Json& j) {
+        j["accessors"][0]["bufferView"] = 3;
+        j["accessors"][0]["count"] = 1;
+      },  // infinite
+      [](Json& j) { j["bufferViews"][0]["buffer"] = 1; },
+      [](Json& j) { j["bufferViews"][0]["byteLength"] = 100000; },
+      [](Json& j) { j["buffers"][0]["uri"] = "none.bin"; },
+      [](Json& j) { j["buffers"][0]["uri"] = "../scene.bin"; },
+      [](Json& j) { j["buffers"][0]["uri"] = "data:;base64," + std::string(108, 'A'); },
+      [](Json& j) { j["extensionsRequired"] = {"VENDOR_thing"}; },
+      [](Json& j) { j["meshes"][0]["extras"]["loden_subdivision"]["levels"] = 9; },
+      [](Json& j) { j["extensions"]["LODEN_materials_flat_btf"] = Json::object(); },
+  };
+  for (size_t k = 0; k < changes.size(); ++k) {
+    Json json = scene();
+    changes[k](json);
+    EXPECT_FALSE(isValid(write(json))) << k << ": " << json;
+    EXPECT_FALSE(isLoaded(write(json))) << k << ": " << json;
+  }
+}
+
+TEST_F(GltfAgreement, BothRefuseExtensionsThatAreNotSound) {
+  const auto with = [](const Json& extension) {
+    Json json = scene();
+    json["extensionsUsed"] = {"LODEN_materials_flat_btf"};
+    json["extensions"]["LODEN_materials_flat_btf"]["assets"] = {{{"uri", "none.loden"}}};
+    json["materials"][0]["extensions"]["LODEN_materials_flat_btf"] = extension;
+    return json;
+  };
+  for (const char* text :
+       {R"({})", R"({"asset": 1})", R"({"asset": -1})", R"({"asset": 0.5})", R"({"asset": "0"})",
+        R"({"asset": 0, "scale": [0, 0]})", R"({"asset": 0, "scale": [1]})", R"({"asset": 0, "scale": 2})",
+        R"({"asset": 0, "scale": [1e300, 1]})", R"({"asset": 0, "texCoord": 16})"}) {
+    EXPECT_FALSE(isValid(write(with(Json::parse(text))))) << text;
+    EXPECT_FALSE(isLoaded(write(with(Json::parse(text))))) << text;
+  }
+}
+
+}  // namespace
+}  // namespace loden

@@ -355,6 +355,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
       candidate.atlas = atlases[image->side()];
       candidate.sweeps = kTrialSweeps;
       candidate.coarse_y = 0;
+      if (!candidate.visibility) candidate.visibility = Visibility::kFast;
       const double rmse =
           fitFused(source, *btf, *image, candidate, options.threads, 0, &surface).error.channel[0].rmse();
       progress.advance();

@@ -1,0 +1,166 @@
+// The near term: the local reflectance against closed forms, and what the light sees against traced rays.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "material/eval/evaluate.h"
+#include "material/eval/near_term.h"
+#include "tests/unit/material_fixtures.h"
+
+namespace loden {
+namespace {
+
+glm::dvec3 upperDirection(std::mt19937& random, double least_z) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double z = least_z + (1 - least_z) * unit(random), phi = 2 * kPi * unit(random);
+  const double sine = std::sqrt(1 - z * z);
+  return {sine * std::cos(phi), sine * std::sin(phi), z};
+}
+
+// Bumps of a height field, which cast shadows on each other.
+GeometryImage bumps(int side, double depth) {
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < side * side; ++t) {
+    const glm::dvec2 p((t % side + 0.5) / side, (t / side + 0.5) / side);
+    positions.emplace_back(p, depth * (std::cos(4 * kPi * p.x) * std::cos(4 * kPi * p.y) - 1) / 2);
+  }
+  return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), true);
+}
+
+TEST(Near, LambertIsTheCosine) {
+  NearPoint<double> point;
+  point.diffuse = glm::dvec3(0.25, 0.5, 0.75);
+  std::mt19937 random(1);
+  for (int k = 0; k < 100; ++k) {
+    const glm::dvec3 wi = upperDirection(random, 0.01), wo = upperDirection(random, 0.01);
+    const glm::dvec3 value = evaluateNear(Lobe::kPhong, point, wi, wo);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], point.diffuse[c] * wi.z, 1e-12);
+  }
+}
+
+TEST(Near, ShortenedNormalsGiveTheMeanOfTheirCosines) {
+  // Two walls of a groove, both lit: the mean of N.L is the mean normal's.
+  const glm::dvec3 left = glm::normalize(glm::dvec3(0.6, 0, 0.8)), right(-left.x, 0, left.z);
+  NearPoint<double> point;
+  point.mapped = 0.5 * (left + right);
+  point.diffuse = glm::dvec3(1);
+  const glm::dvec3 wi = glm::normalize(glm::dvec3(0.3, 0.4, 0.8));
+  EXPECT_NEAR(evaluateNear(Lobe::kPhong, point, wi, glm::dvec3(0, 0, 1)).x,
+              0.5 * (glm::dot(left, wi) + glm::dot(right, wi)), 1e-12);
+}
+
+// White metals and dielectrics of every roughness reflect no more than all the light, and dielectrics nearly
+// all: what the lobe does not reflect, the diffuse part does.
+TEST(Near, GgxKeepsTheLight) {
+  for (const double roughness : {0.2, 0.4, 0.6, 0.8, 1.0})
+    for (const bool metal : {false, true})
+      for (const double theta : {0.0, 30.0, 60.0, 75.0}) {
+        NearPoint<double> point;
+        point.width = roughness * roughness;
+        point.f0 = glm::dvec3(metal ? 1.0 : 0.04);
+        point.diffuse = glm::dvec3(metal ? 0.0 : 1.0);
+        const double angle = theta * kPi / 180;
+        const glm::dvec3 wo(std::sin(angle), 0, std::cos(angle));
+        double sum = 0;
+        constexpr int kRows = 400;
+        for (int row = 0; row < kRows; ++row)
+          for (int column = 0; column < 2 * kRows; ++column) {
+            const double z = (row + 0.5) / kRows, phi = kPi * (column + 0.5) / kRows;
+            const double sine = std::sqrt(1 - z * z);
+            sum += evaluateNear(Lobe::kGgx, point, {sine * std::cos(phi), sine * std::sin(phi), z}, wo).x;
+          }
+        const double albedo = sum / (kRows * kRows);  // dw / pi = 2 pi / (2 rows^2) / pi
+        SCOPED_TRACE(testing::Message()
+                     << "roughness " << roughness << (metal ? ", metal, " : ", dielectric, ") << theta
+                     << " degrees: " << albedo);
+        EXPECT_LE(albedo, 1.03);
+        if (!metal) EXPECT_GE(albedo, 0.93);
+        EXPECT_GE(albedo, metal ? 0.4 : 0.93) << "GGX without multiple scattering loses light, but no more";
+      }
+}
+
+TEST(Near, APlaneCastsNoShadow) {
+  const GeometryImage image = bumps(64, 0);
+  const VdimAtlas atlas = buildVdimAtlas(image, {12, 8});
+  VdimMaps maps;
+  maps.atlas = &atlas;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int k = 0; k < 2000; ++k) {
+    const glm::dvec2 p(unit(random), unit(random));
+    EXPECT_TRUE(lightReaches(maps, Lookup::kFast, LocalSurface<double>{}, glm::dvec3(p, 0), p,
+                             upperDirection(random, 0.02)));
+  }
+}
+
+TEST(Near, ShadowsAreThoseOfTracedRays) {
+  const GeometryImage image = bumps(64, 0.15);
+  const VdimAtlas atlas = buildVdimAtlas(image, {24, 20});
+  const GeometryTracer tracer(image);
+  VdimMaps maps;
+  maps.atlas = &atlas;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int count = 0, shadowed = 0, wrong[2] = {0, 0};
+  while (count < 4000) {
+    const glm::dvec2 p(unit(random), unit(random));
+    const glm::dvec3 wi = upperDirection(random, 0.1);
+    const auto point = surfaceAt<double>(image, p);
+    if (glm::dot(point.normal, wi) < 0.05) continue;
+    ++count;
+    const bool occluded = tracer.occluded(point.position + 2e-3 * point.normal, wi);
+    shadowed += occluded;
+    const Lookup lookups[] = {Lookup::kFast, Lookup::kDefault};
+    for (int l = 0; l < 2; ++l)
+      wrong[l] += lightReaches(maps, lookups[l], LocalSurface<double>{}, point.position, p, wi) == occluded;
+  }
+  EXPECT_GT(shadowed, 250);
+  EXPECT_LT(wrong[0], count * 3 / 100);
+  EXPECT_LT(wrong[1], count * 2 / 100);
+}
+
+TEST(Near, FadesIntoTheBandsWithoutAStep) {
+  Material material = test::nearMaterial();
+  material.surface->visibility = Visibility::kNone;
+  EXPECT_EQ(nearWeight(material, 0.5f), 1.0f);
+  EXPECT_EQ(nearWeight(material, 2.5f), 0.0f);
+  const Evaluator evaluator(material);
+  const glm::dvec3 wi = glm::normalize(glm::dvec3(0.3, 0.1, 0.9)), wo(0, 0, 1);
+  const auto value = [&](double lambda) {
+    return evaluator.evaluate(evaluator.findHit(glm::dvec2(0.3, 0.8), lambda, wo, Lookup::kNone), wi, wo);
+  };
+  for (double lambda = -1; lambda < 4; lambda += 1e-3)
+    EXPECT_LT(glm::length(value(lambda + 1e-3) - value(lambda)), 4e-3) << lambda;
+}
+
+TEST(Near, IsTheWholeOfAMaterialWithoutBands) {
+  const Material surface = test::surfaceMaterial(), lod = test::lodMaterial();
+  EXPECT_EQ(nearWeight(surface, 9.0f), 1.0f);
+  EXPECT_EQ(nearWeight(lod, 0.0f), 0.0f);
+  EXPECT_EQ(finestLevel(surface), 0.0f);
+  EXPECT_EQ(finestLevel(test::nearMaterial()), -1.0f);
+}
+
+// The ambient part of light that is the same all around, on a plane that nothing hides, is the albedo.
+TEST(Near, WhiteSkyGivesTheAlbedo) {
+  Material material = test::surfaceMaterial();
+  SurfaceMaps& maps = *material.surface;
+  for (Texture* map : {&maps.normal, &maps.color, &maps.ambient})
+    *map = Texture::make(map->format, map->shape, 1, 1, map->depth);
+  storeTexel(maps.normal, 0, 0, 0, 0, {0, 0, 1, 0});
+  storeTexel(maps.color, 0, 0, 0, 0, {1, 1, 1, 0});
+  storeTexel(maps.ambient, 0, 0, 0, 0, {1, 2.0f / 3, 0, 0});
+  Evaluator evaluator(material);
+  evaluator.prepareEnvironment();
+  HemisphereLight light;
+  light.c[0] = glm::vec3(0.7f);
+  const glm::vec3 wo = glm::normalize(glm::vec3(0.2f, 0.1f, 1.0f));
+  const auto hit = evaluator.findHit(glm::vec2(0.5f), 0.0f, wo, Lookup::kNone);
+  const glm::vec3 value = evaluator.evaluateEnvironment(hit, light, wo);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], 0.7f, 1e-5f);
+}
+
+}  // namespace
+}  // namespace loden

@@ -48,33 +48,42 @@ Status checkOptions(const BakeOptions& o) {
   return {};
 }
 
-// Charts need a gutter of two texels in every map, as nearly as gutterOf can tell, so that filters keep them
-// apart and no texel is overlapped by two.
-Status checkGutters(const Tile& tile, const BakeManifest& m) {
+// Texels per side of maps over p whose filters keep the charts apart, and of which none is overlapped by two:
+// a gutter of two texels, as nearly as gutterOf can tell. 0 where there is one chart.
+int texelsForGutters(const Tile& tile) {
   if (std::all_of(tile.charts.begin(), tile.charts.end(), [](uint16_t chart) { return chart == 1; }))
-    return {};
+    return 0;
   const double gutter = gutterOf(tile) + 1.0 / 256;  // half of what gutterOf may have cut off
-  const int needed = static_cast<int>(std::ceil(2 / gutter));
-  for (const auto& [option, side] : {std::pair{"--size", m.size},
-                                     {"--flat-size", m.flat_size},
-                                     {"--surface-size", m.surface_size},
-                                     {"--geometry-size", m.geometry_size}})
-    if (side < needed)
-      return Issue{issue_id::kOption, Severity::kError, option,
-                   "the tile has several charts, and the gutters between them need at least " +
-                       std::to_string(needed) + " texels per side"};
-  return {};
+  return static_cast<int>(std::ceil(2 / gutter));
 }
 
-BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const BakeOptions& o) {
+// Of sizes that were asked for; others are chosen large enough.
+Status checkGutters(const BakeOptions& o, int needed) {
+  std::string small, remedy;
+  for (const auto& [option, side] : {std::pair{"--flat-size", o.flat_size},
+                                     {"--surface-size", o.surface_size},
+                                     {"--geometry-size", o.geometry_size}}) {
+    if (side == 0 || side >= needed) continue;
+    small += (small.empty() ? "" : ", ") + std::string(option);
+    remedy += " " + std::string(option) + " " + std::to_string(needed);
+  }
+  if (small.empty()) return {};
+  return Issue{issue_id::kOption, Severity::kError, small,
+               "the tile has several charts, and the gutters between them need at least " +
+                   std::to_string(needed) + " texels per side: give" + remedy +
+                   ", or leave it out, and a large enough size is chosen"};
+}
+
+// `needed` as texelsForGutters.
+BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const BakeOptions& o, int needed) {
   BakeManifest m;
   m.tile = tile_name;
   m.input_hash = tileHash(tile);
   m.aspect = tile.aspect, m.period = o.period;
   m.size = o.size;
-  m.flat_size = o.flat_size > 0 ? o.flat_size : o.size;
-  m.surface_size = o.surface_size > 0 ? o.surface_size : std::min(2 * o.size, 4096);
-  m.geometry_size = o.geometry_size > 0 ? o.geometry_size : std::max(128, o.size);
+  m.flat_size = o.flat_size > 0 ? o.flat_size : std::max(o.size, needed);
+  m.surface_size = o.surface_size > 0 ? o.surface_size : std::max(std::min(2 * o.size, 4096), needed);
+  m.geometry_size = o.geometry_size > 0 ? o.geometry_size : std::max({128, o.size, needed});
   m.supersample = o.supersample;
   m.bounces = o.bounces;
   m.fill = o.fill;
@@ -117,10 +126,10 @@ Status checkCovers(const TileTracer& tracer, const BakeManifest& m, const std::s
   char place[120];
   std::snprintf(place, sizeof place, ", the first at x = (%.3f, %.3f) from theta %.0f, phi %.0f degrees",
                 first_x.x, first_x.y, first_view.x, first_view.y);
-  return Issue{
-      issue_id::kTileGeometry, Severity::kError, tile_name,
-      std::to_string(misses) + " of " + std::to_string(rays) + " view rays meet no surface" + place +
-          ": the tile has holes or does not cover its period; close them, or put a ground under them"};
+  return Issue{issue_id::kTileGeometry, Severity::kError, tile_name,
+               std::to_string(misses) + " of " + std::to_string(rays) + " view rays meet no surface" + place +
+                   ": the tile has holes or does not cover its period; close them, or put a ground under "
+                   "them by --ground D"};
 }
 
 // One file or group of files of the output; the unit of sharding and resuming.
@@ -241,8 +250,9 @@ Result<BakeReport> bake(const Tile& tile, const std::string& tile_name, const fs
                         const BakeOptions& options) {
   if (const Status status = checkOptions(options); !status) return status.issue();
   const auto start = std::chrono::steady_clock::now();
-  const BakeManifest manifest = manifestOf(tile, tile_name, options);
-  if (const Status status = checkGutters(tile, manifest); !status) return status.issue();
+  const int needed = texelsForGutters(tile);
+  if (const Status status = checkGutters(options, needed); !status) return status.issue();
+  const BakeManifest manifest = manifestOf(tile, tile_name, options, needed);
   const TileTracer tracer(tile);
   if (const Status status = checkCovers(tracer, manifest, tile_name); !status) return status.issue();
   const auto ready = BakeFolder::prepare(folder, manifest, options.resume, options.shards > 1);

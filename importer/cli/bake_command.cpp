@@ -8,6 +8,7 @@
 #include "importer/btf/btf_source.h"
 #include "importer/btf/measured/bonn_folder.h"
 #include "importer/cli/output.h"
+#include "importer/cli/tile_file_arguments.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -15,6 +16,18 @@ namespace {
 
 Issue optionIssue(const std::string& option, const std::string& text) {
   return {issue_id::kOption, Severity::kError, option, text};
+}
+
+// Metres of a length with its unit: "2cm".
+Result<double> parseLength(const std::string& option, const std::string& text) {
+  double value = 0;
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%lf%n", &value, &used) == 1 && value > 0 && value < 1e6) {
+    const std::string unit = text.substr(static_cast<size_t>(used));
+    for (const auto& [name, metres] : {std::pair{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}})
+      if (unit == name) return value * metres;
+  }
+  return optionIssue(option, "'" + text + "' is not a length with its unit, as 2cm, 15mm or 0.3m");
 }
 
 // "latlong:16x16" and "concentric:16".
@@ -66,7 +79,8 @@ class BakeCommand : public Command {
     options.text("tile", tile_, builtinTileList() + ", or a .gltf, .glb or .obj file of one period", true);
     options.path("-o,--output", output_, "Folder to fill", true);
     options.integer("--size", bake_.size, "Texels per side of the reference plane", 4, 4096);
-    options.integer("--flat-size", bake_.flat_size, "Texels per side of the Flat-BTF; 0: as --size", 0, 4096);
+    options.integer("--flat-size", bake_.flat_size,
+                    "Texels per side of the Flat-BTF; 0: as --size, or what the tile's charts need", 0, 4096);
     options.integer("--surface-size", bake_.surface_size,
                     "Texels per side of the surface's normal and reflectance; 0: twice --size", 0, 4096);
     options.integer("--geometry-size", bake_.geometry_size,
@@ -82,7 +96,10 @@ class BakeCommand : public Command {
     options.choice("--texels", texels_, {"mean", "linear"},
                    "Flat-BTF texels: means, or fitted to the linear filter that reads them");
     options.texts("--maps", maps_, "What to bake: btf, flat, vdim, surface, with commas between");
-    options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
+    options.text("--period", period_,
+                 "Length of the tile along x on the surface, with its unit: 2cm, 15mm, 0.3m. It is kept for "
+                 "whoever lays the material out");
+    tile_file_.declare(options);
     options.flag("--fix-nonfinite", fix_nonfinite_,
                  "Repair vertices whose values are not finite from their neighbours, and say so");
     options.flag("--resume", bake_.resume, "Keep what an interrupted bake has finished");
@@ -98,7 +115,10 @@ class BakeCommand : public Command {
     bake_.threads = globals.threads;
     bake_.quiet = globals.quiet;
     if (fix_nonfinite_) repairs_ = std::make_shared<RepairLog>();
-    const auto tile = loadTile(tile_, {subdivide_, repairs_});
+    auto tile_options = tile_file_.parse();
+    if (!tile_options) return fail(tile_options.issue());
+    tile_options->repairs = repairs_;
+    const auto tile = loadTile(tile_, *tile_options);
     noteRepairs(globals, repairs_.get());  // of a tile that is refused for something else, too
     if (!tile) return fail(tile.issue());
     noteWarnings(globals, tile->warnings);
@@ -119,6 +139,11 @@ class BakeCommand : public Command {
     if (!directions)
       return optionIssue("--directions", "'" + directions_ + "' is none of bonn81, ubo151, NxN");
     bake_.directions = *directions;
+    if (!period_.empty()) {
+      const auto period = parseLength("--period", period_);
+      if (!period) return period.issue();
+      bake_.period = *period;
+    }
     bake_.vdims.clear();
     for (const std::string& text : vdims_)
       if (const Status status = parseVdim(text, bake_); !status) return status;
@@ -194,11 +219,11 @@ class BakeCommand : public Command {
   }
 
   std::string tile_, directions_ = "bonn81", shard_ = "0/1", layout_ = "loden", encoding_ = "jpg",
-                     fill_ = "push-pull", texels_ = "mean";
+                     fill_ = "push-pull", texels_ = "mean", period_;
   std::vector<std::string> vdims_{"latlong:16x16", "latlong:8x32"};
   std::vector<std::string> maps_{"btf", "flat", "vdim", "surface"};
   std::filesystem::path output_;
-  int subdivide_ = 0;
+  TileFileArguments tile_file_;
   bool fix_nonfinite_ = false;
   std::shared_ptr<RepairLog> repairs_;
   BakeOptions bake_;

@@ -4,6 +4,7 @@
 #include "importer/base/file_read.h"
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
+#include "importer/cli/tile_file_arguments.h"
 #include "importer/trace/trace.h"
 #include "material/base/issues.h"
 
@@ -76,7 +77,7 @@ class TraceCommand : public Command {
     options.text("--size", size_, "Picture, WxH");
     options.integer("--spp", trace_.samples, "Samples per pixel, stratified over its area", 1, 65536);
     options.integer("--bounces", trace_.bounces, "Indirect light; 0: direct light and cast shadows", 0, 16);
-    options.integer("--subdivide", subdivide_, "OpenSubdiv levels, if the tile is a coarse cage", 0, 6);
+    tile_file_.declare(options);
     options.footer("loden_walk --asset X.loden --surface S --camera FILE draws exactly the same view.");
   }
 
@@ -105,7 +106,9 @@ class TraceCommand : public Command {
     trace_.width = size->x, trace_.height = size->y;
     trace_.threads = globals.threads;
     trace_.quiet = globals.quiet;
-    const auto tile = loadTile(tile_, {subdivide_});
+    const auto tile_options = tile_file_.parse();
+    if (!tile_options) return fail(tile_options.issue());
+    const auto tile = loadTile(tile_, *tile_options);
     if (!tile) return fail(tile.issue());
     noteWarnings(globals, tile->warnings);
     const auto picture = trace(*tile, trace_);
@@ -132,7 +135,7 @@ class TraceCommand : public Command {
  private:
   std::string tile_, surface_ = "plane", light_, size_ = "800x600";
   std::filesystem::path output_, camera_, environment_;
-  int subdivide_ = 0;
+  TileFileArguments tile_file_;
   TraceOptions trace_;
 };
 

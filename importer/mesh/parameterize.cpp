@@ -270,13 +270,15 @@ Result<glm::dvec2> findPeriod(std::span<const glm::dvec3> positions, std::span<c
     for (auto other = votes.begin(); other != votes.end(); ++other)
       if (other->second >= enough && other->first > best->first) best = other;
     if (best == votes.end() || best->second < kFewestVotes)
-      return refuse(issue_id::kTileUv, where,
-                    "no texture coordinates (TEXCOORD_0) that parameterize the tile, and none can be made: "
-                    "the borders in " +
-                        std::string(axis == 0 ? "x" : "y") +
-                        " do not match each other one period on; the tile must lie flat (xz plane in glTF, "
-                        "xy plane in OBJ) "
-                        "with its sides along the axes, and opposite borders need equal vertices");
+      return refuse(
+          issue_id::kTileUv, where,
+          "no texture coordinates (TEXCOORD_0) that parameterize the tile, and none can be made: "
+          "the borders in " +
+              std::string(axis == 0 ? "x" : "y") +
+              " do not match each other one period on; the tile must lie flat (xz plane in glTF, "
+              "xy plane in OBJ) "
+              "with its sides along the axes, and opposite borders need equal vertices; or give the "
+              "period by --mesh-period X,Y, in the file's units");
     double sum = 0;
     int count = 0;
     for (size_t v = 0; v < border.size(); ++v) {

@@ -50,7 +50,7 @@ std::filesystem::path bakeFolder(const StudyOptions& options, const std::string&
 
 bool serves(const BakeManifest& m, const StudyOptions& options, const StudyBake& bake, const Tile& tile) {
   return m.revision == kBakeRevision && m.size == options.size &&
-         m.flat_size == (bake.flat_size ? bake.flat_size : options.size) &&
+         (bake.flat_size ? m.flat_size == bake.flat_size : m.flat_size >= options.size) &&
          m.supersample == bake.supersample && m.fill == bake.fill && m.texels == bake.texels &&
          m.has_btf >= bake.maps.btf && m.has_flat >= bake.maps.flat && m.has_vdim >= bake.maps.vdim &&
          m.has_surface >= bake.maps.surface && m.directions.samples == bonn81Directions().samples &&

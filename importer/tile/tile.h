@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,11 @@ inline constexpr double kMostAspect = 8;
 
 struct TileOptions {
   int subdivide = 0;  // OpenSubdiv levels, for a cage
+  // At which a file's mesh repeats in x and y, in the file's units, where its borders do not say so; 0: they
+  // do.
+  glm::dvec2 mesh_period{0};
+  // Set: a plane goes under a file's mesh, so far below its lowest point, in the file's units.
+  std::optional<double> ground{};
   // Set: vertices of a file with values that are not finite are repaired from their neighbours and noted
   // here; else an error.
   std::shared_ptr<RepairLog> repairs{};

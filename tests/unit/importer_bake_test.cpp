@@ -9,6 +9,7 @@
 #include "importer/bake/linear_texels.h"
 #include "importer/bake/push_pull.h"
 #include "importer/base/random.h"
+#include "importer/cook/cook.h"
 #include "importer/cook/modes.h"
 #include "importer/tile/mesh_material.h"
 #include "importer/tile/tile_tracer.h"
@@ -571,6 +572,37 @@ TEST(PushPull, LeavesAnEmptyImageAlone) {
   std::vector<glm::vec3> values(9, glm::vec3(3));
   PushPull(3, std::vector<float>(9, 0)).apply(values);
   EXPECT_EQ(values, std::vector<glm::vec3>(9, glm::vec3(3)));
+}
+
+class EveryBuiltinTile : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, EveryBuiltinTile, ::testing::ValuesIn(builtinTileNames()),
+                         [](const auto& tile) { return tile.param; });
+
+TEST_P(EveryBuiltinTile, IsBakedWithoutARefusalAndSaysWhatItsPeriodIs) {
+  const TemporaryFolder folder;
+  BakeOptions options;
+  options.size = 16;
+  options.supersample = 1;
+  options.directions = concentricDirections(2);
+  options.vdims = {{4, 8}};
+  options.period = 0.03;
+  options.quiet = true;
+  const Tile tile = *builtinTile(GetParam(), 96);
+  const auto report = bake(tile, GetParam(), folder.path(), options);
+  ASSERT_TRUE(report.ok()) << report.issue().where << ": " << report.issue().text;
+  EXPECT_EQ(report->misses, 0u);
+  const auto baked = BakedOutput::open(folder.path());
+  ASSERT_TRUE(baked.ok()) << baked.issue().text;
+  EXPECT_EQ(baked->manifest().aspect, tile.aspect);
+  EXPECT_EQ(baked->manifest().period, 0.03);
+  CookOptions cooking;
+  cooking.mode = Mode::kSurface;
+  cooking.quiet = true;
+  const auto material = cook(*baked, cooking);
+  ASSERT_TRUE(material.ok()) << material.issue().text;
+  EXPECT_EQ(material->aspect, float(tile.aspect));
+  EXPECT_EQ(material->geometry.aspect, float(tile.aspect));
+  EXPECT_EQ(material->period, 0.03f);
 }
 
 }  // namespace

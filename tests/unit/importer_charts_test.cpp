@@ -177,15 +177,27 @@ TEST(Weave, HasSeparateYarnsThatPassOverAndUnder) {
   EXPECT_GT(crossings, 2000);  // most of the tile is covered twice
 }
 
-TEST(Weave, IsRefusedAtASizeThatLeavesNoGutter) {
+TEST(Weave, GetsMapsThatLeaveGutters_AndIsRefusedWithAllThatIsTooSmall) {
   const TemporaryFolder folder;
   BakeOptions options;
   options.size = 16;
   options.directions = concentricDirections(2);
   options.quiet = true;
+  options.maps = {false, false, false, true};
+  const auto chosen = bake(*builtinTile("weave", 24), "weave", folder.path(), options);
+  ASSERT_TRUE(chosen.ok()) << chosen.issue().text;
+  const BakeManifest& m = chosen->manifest;
+  EXPECT_EQ(m.size, 16);
+  EXPECT_GT(m.flat_size, 16);
+  EXPECT_GE(m.geometry_size, m.flat_size);
+  options.flat_size = options.geometry_size = 16;
   const auto report = bake(*builtinTile("weave", 24), "weave", folder.path(), options);
   ASSERT_FALSE(report.ok());
-  EXPECT_NE(report.issue().text.find("gutters"), std::string::npos) << report.issue().text;
+  EXPECT_EQ(report.issue().where, "--flat-size, --geometry-size");
+  const std::string least = std::to_string(m.flat_size);
+  EXPECT_NE(report.issue().text.find("give --flat-size " + least + " --geometry-size " + least),
+            std::string::npos)
+      << report.issue().text;
 }
 
 // Where a yarn is cut, a filter over the surface maps reads the yarn's own normals, as they would go on.

@@ -190,7 +190,7 @@ TEST(BakeNonFinite, VerticesAreRefusedWithCountAndPlaceOrRepaired) {
     EXPECT_NE(refused.issue().text.find("1 of 81"), std::string::npos) << refused.issue().text;
 
     const auto log = std::make_shared<RepairLog>();
-    const auto repaired = loadTile(path, {0, log});
+    const auto repaired = loadTile(path, {.repairs = log});
     ASSERT_TRUE(repaired.ok()) << repaired.issue().text;
     EXPECT_EQ(log->count(), 1u);
     ASSERT_EQ(repaired->positions.size(), expected->positions.size());

@@ -212,6 +212,45 @@ TEST(TileTracer, RectangularPeriodIsTheSameSurfaceAsASquareOfTwo) {
   }
 }
 
+// A closed block of 1.2 x 0.5 x 0.2 beside the origin, as OBJ.
+std::string blockObj() {
+  std::ostringstream text;
+  for (int k = 0; k < 8; ++k)
+    text << "v " << (k & 1 ? 1.5 : 0.3) << ' ' << (k & 2 ? 0.7 : 0.2) << ' ' << (k & 4 ? 0.0 : -0.2) << '\n';
+  for (const char* face : {"5 6 8 7", "1 3 4 2", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"})
+    text << "f " << face << '\n';
+  return text.str();
+}
+
+TEST(TileObj, ClosedPiecesTakeTheirPeriodAndAGroundFromOptions) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("block.obj", blockObj()).string();
+  const auto without = loadTile(path);
+  ASSERT_FALSE(without.ok());
+  EXPECT_NE(without.issue().text.find("--mesh-period"), std::string::npos) << without.issue().text;
+  TileOptions options;
+  options.mesh_period = {2, 1};
+  const auto alone = loadTile(path, options);
+  ASSERT_TRUE(alone.ok()) << alone.issue().text;
+  EXPECT_EQ(alone->aspect, 0.5);
+  EXPECT_EQ(alone->triangles.size(), 12u);
+  options.ground = 0.1;
+  const auto tile = loadTile(path, options);
+  ASSERT_TRUE(tile.ok()) << tile.issue().text;
+  const double length = std::sqrt(2.0);  // a tile length, in the file's units
+  const TileTracer tracer(*tile);
+  for (int k = 0; k < 200; ++k) {
+    const glm::dvec2 x(std::fmod(0.37 * k, 1.0), std::fmod(0.59 * k, 1.0));
+    const auto hit = tracer.intersectView(x, {0, 0, 1});
+    ASSERT_TRUE(hit) << k;
+    const glm::dvec2 at = x * glm::dvec2(2, 1);
+    const bool on_block = at.x > 0.3 && at.x < 1.5 && at.y > 0.2 && at.y < 0.7;
+    EXPECT_NEAR(hit->position.z * length, on_block ? 0 : -0.3, 1e-6) << k;
+    EXPECT_NEAR(hit->normal.z, 1, 1e-6);
+  }
+  EXPECT_EQ(refusal("builtin:pulli", options), issue_id::kOption);
+}
+
 TEST(TileObj, RefusesWhatIsNoTile) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal(folder.path() / "missing.obj"), issue_id::kCannotOpen);

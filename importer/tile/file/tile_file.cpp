@@ -222,7 +222,7 @@ Result<Tile> tileFromFile(const fs::path& path, const TileOptions& options) {
     if (const Status status = repairMesh(*mesh, where); !status) return status.issue();
   if (mesh->face_sizes.empty())
     return refuse(issue_id::kTileGeometry, where, "all triangles are degenerate: their corners lie on lines");
-  const auto origin = giveParams(*mesh, options.subdivide, where);
+  const auto origin = giveParams(*mesh, options, where);
   if (!origin) return origin.issue();
   Tile tile;
   tile.name = path.stem().string();
@@ -255,6 +255,9 @@ Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& option
   if (options.subdivide > 0)
     return refuse(issue_id::kOption, "--subdivide",
                   "is for cages from files; builtin tiles are fine already");
+  if (options.mesh_period.x > 0 || options.ground)
+    return refuse(issue_id::kOption, options.ground ? "--ground" : "--mesh-period",
+                  "is for meshes from files; builtin tiles have what they need");
   return builtinTile(name_or_path.substr(kBuiltin.size()));
 }
 

@@ -119,8 +119,9 @@ Status checkFolds(const PolygonMesh& mesh, const MeshName& name) {
 }
 
 // Tile coordinates at the origin, for a mesh whose texture coordinates do not say what its period is.
-Status scaleToPeriod(PolygonMesh& mesh, MeshName& name) {
-  const auto period = findPeriod(mesh.positions, triangulate(mesh), name.file);
+Status scaleToPeriod(PolygonMesh& mesh, const glm::dvec2& given, MeshName& name) {
+  const auto period =
+      given.x > 0 ? Result<glm::dvec2>(given) : findPeriod(mesh.positions, triangulate(mesh), name.file);
   if (!period) return period.issue();
   const auto checked = checkedPeriod(*period, name.file);
   if (!checked) return checked.issue();
@@ -231,10 +232,48 @@ std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh) {
   return triangles;
 }
 
-Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::string& where) {
+namespace {
+
+// A grid over the period, `depth` tile lengths below the mesh's lowest point, for rays that the mesh lets by.
+void addGround(PolygonMesh& mesh, double depth) {
+  constexpr uint32_t kCells = 16, kRow = kCells + 1;
+  double low = 0;
+  if (!mesh.positions.empty()) low = mesh.positions.front().z;
+  for (const glm::dvec3& p : mesh.positions) low = std::min(low, p.z);
+  const auto first = uint32_t(mesh.positions.size());
+  LocalBrdf brdf;
+  brdf.diffuse = glm::vec3(0.18f);
+  for (uint32_t v = 0; v < kRow * kRow; ++v) {
+    mesh.positions.push_back({glm::dvec2(v % kRow, v / kRow) / double(kCells), low - depth});
+    mesh.normals.push_back({0, 0, 1});
+    mesh.brdfs.push_back(brdf);
+    if (!mesh.texture_points.empty()) mesh.texture_points.push_back({});
+    if (!mesh.lines.empty()) mesh.lines.push_back(0);
+  }
+  const uint32_t last_number = mesh.numbers.empty() ? 0 : mesh.numbers.back();
+  for (uint32_t j = 0; j < kCells; ++j)
+    for (uint32_t i = 0; i < kCells; ++i) {
+      const uint32_t a = first + j * kRow + i;
+      mesh.corners.insert(mesh.corners.end(), {a, a + 1, a + kRow + 1, a + kRow});
+      mesh.face_sizes.push_back(4);
+      if (!mesh.numbers.empty()) mesh.numbers.push_back(last_number);
+    }
+}
+
+// The file's parameters do not hold the ground: all are made.
+Result<ParamOrigin> withGround(PolygonMesh& mesh, double depth, const MeshName& name) {
+  addGround(mesh, depth / name.unit.z);
+  mesh.uvs.clear();
+  return makeParams(mesh, name);
+}
+
+}  // namespace
+
+Result<ParamOrigin> giveParams(PolygonMesh& mesh, const TileOptions& options, const std::string& where) {
+  const int subdivide = options.subdivide;
   MeshName name(where);
   name.numbers = mesh.numbers;
-  if (!mesh.uvs.empty()) {
+  if (!mesh.uvs.empty() && options.mesh_period.x == 0) {
     const auto along_u = periodAlong(mesh, 0), along_v = periodAlong(mesh, 1);
     if (along_u && along_v) {
       const auto lattice = latticeOf(*along_u, *along_v, where);
@@ -243,16 +282,18 @@ Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::stri
       if (subdivide == 0)  // a cage may cross itself where its limit does not
         if (const Status status = checkFolds(mesh, name); !status) return status.issue();
       if (const Status status = refine(mesh, subdivide, where); !status) return status.issue();
+      if (options.ground) return withGround(mesh, *options.ground, name);
       return ParamOrigin::kLattice;
     }
   }
-  if (const Status status = scaleToPeriod(mesh, name); !status) return status.issue();
-  if (subdivide == 0 && !mesh.uvs.empty() && takeAtlas(mesh)) return ParamOrigin::kAtlas;
+  if (const Status status = scaleToPeriod(mesh, options.mesh_period, name); !status) return status.issue();
+  if (subdivide == 0 && !options.ground && !mesh.uvs.empty() && takeAtlas(mesh)) return ParamOrigin::kAtlas;
   if (subdivide > 0) {  // any texture coordinates do that repeat with the surface
     mesh.uvs.clear();
     for (const glm::dvec3& p : mesh.positions) mesh.uvs.push_back(glm::dvec2(p));
     if (const Status status = refine(mesh, subdivide, where); !status) return status.issue();
   }
+  if (options.ground) return withGround(mesh, *options.ground, name);
   mesh.uvs.clear();
   return makeParams(mesh, name);
 }

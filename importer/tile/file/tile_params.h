@@ -14,10 +14,11 @@ enum class ParamOrigin {
   kCharts,   // made, each chart on its own and not yet packed
 };
 
-// The mesh with period 1 and parameters: the file's, where they repeat with the surface or are an atlas; else
-// made (importer/mesh/parameterize.h for a surface in one closed piece, importer/mesh/segment.h for others).
-// Refines the cage `subdivide` times. Polygons may come back as triangles.
-Result<ParamOrigin> giveParams(PolygonMesh& mesh, int subdivide, const std::string& where);
+// The mesh in tile coordinates with parameters: the file's, where they repeat with the surface or are an
+// atlas; else made (importer/mesh/parameterize.h for a surface in one closed piece, importer/mesh/segment.h
+// for others, and wherever a ground is put under it). Refines a cage as the options say. Polygons may come
+// back as triangles.
+Result<ParamOrigin> giveParams(PolygonMesh& mesh, const TileOptions& options, const std::string& where);
 
 std::vector<glm::uvec3> triangulate(const PolygonMesh& mesh);
 

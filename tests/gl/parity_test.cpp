@@ -248,14 +248,14 @@ struct Bake {
   std::string folder;
 };
 
-Bake bakeSmall(const std::string& name) {
+Bake bakeSmall(const std::string& name, int geometry_size = 64) {
   std::string folder = (std::filesystem::temp_directory_path() / "loden_parity_XXXXXX").string();
   EXPECT_NE(::mkdtemp(folder.data()), nullptr);
   const auto tile = importer::builtinTile(name);
   EXPECT_TRUE(tile.ok());
   importer::BakeOptions options;
   options.size = 32;
-  options.geometry_size = 64;
+  options.geometry_size = geometry_size;
   options.directions = concentricDirections(5);
   options.vdims = {{16, 16}};
   options.supersample = 1;
@@ -338,6 +338,21 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
 
 INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli", "sponge", "weave"),
                          [](const auto& tile) { return tile.param; });
+
+// Height field and charts, whose periods are no squares: slopes differ by axis.
+TEST(ParityOnRectangles, GpuAgreesWithEvaluator) {
+  using importer::Preset, importer::Shadows;
+  for (const char* name : {"bricks", "shingles"}) {
+    SCOPED_TRACE(name);
+    const Bake baked = bakeSmall(name, 0);
+    const Material material = cooked(baked.output, Mode::kSurface, Preset::kGame, Shadows::kJoint);
+    EXPECT_NE(material.geometry.aspect, 1);
+    expectParity(material, {});
+    expectParity(material, {Lookup::kFast, Parallax::kFaded});
+    expectParity(material, {Lookup::kDefault, Parallax::kFull, false, true});
+    std::filesystem::remove_all(baked.folder);
+  }
+}
 
 }  // namespace
 }  // namespace loden::runtime

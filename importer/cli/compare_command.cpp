@@ -6,6 +6,7 @@
 
 #include "importer/base/file_read.h"
 #include "importer/btf/compare.h"
+#include "importer/btf/measured/measured.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/output.h"
 #include "material/asset/asset.h"
@@ -49,7 +50,7 @@ class CompareCommand : public Command {
   }
 
   void declare(Options& options) override {
-    options.path("reference", reference_, "Baked output, asset or picture", true);
+    options.path("reference", reference_, "Baked output, measured BTF, asset or picture", true);
     options.path("test", test_, "Asset or picture (or a baked output against a baked output)", true);
     options.choice("--lookup", lookup_, {"default", "fast", "paper", "quality", "none"}, "How assets find p");
     options.integer("--level", compare_.level,
@@ -104,8 +105,9 @@ class CompareCommand : public Command {
 
   int runMaterials(const GlobalOptions& globals) {
     Loaded reference, test;
-    if (const Status status = loadBaked(reference_, reference); !status) return fail(status.issue());
-    if (const Status status = loadBaked(test_, test); !status) return fail(status.issue());
+    if (const Status status = loadBaked(reference_, reference, globals.threads); !status)
+      return fail(status.issue());
+    if (const Status status = loadBaked(test_, test, globals.threads); !status) return fail(status.issue());
     const DirectionSet directions = commonDirections(reference, test);
     if (const Status status = loadAsset(reference_, reference, directions, 0, globals); !status)
       return fail(status.issue());
@@ -131,11 +133,29 @@ class CompareCommand : public Command {
     return finish(globals, json, difference->all, difference->flip_mean);
   }
 
-  static Status loadBaked(const std::filesystem::path& path, Loaded& loaded) {
+  static Status loadBaked(const std::filesystem::path& path, Loaded& loaded, int threads) {
     if (inputKind(path) == InputKind::kAsset) return {};
+    if (inputKind(path) != InputKind::kBakedOutput) return loadMeasured(path, loaded, threads);
     auto baked = BakedOutput::open(path);
     if (!baked) return baked.issue();
     auto source = bakedSource(std::move(*baked));
+    if (!source) return source.issue();
+    loaded.source = std::move(*source);
+    return {};
+  }
+
+  // With the light's cosine in its values, as the cook takes it.
+  static Status loadMeasured(const std::filesystem::path& path, Loaded& loaded, int threads) {
+    auto measured = openMeasured(path);
+    if (!measured) return measured.issue();
+    const glm::ivec2 size = (*measured)->size();
+    if (size.x != size.y)
+      return Issue{issue_id::kMeasured, Severity::kError, path.string(),
+                   "is " + std::to_string(size.x) + " x " + std::to_string(size.y) +
+                       " texels, and only squares can be compared; cut it to one"};
+    const CosineFlag flag = (*measured)->cosineFlag();
+    std::string note;
+    auto source = withCosine(std::move(*measured), flag, threads, note);
     if (!source) return source.issue();
     loaded.source = std::move(*source);
     return {};

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/btf/finite_source.h"
+#include "importer/btf/measured/cropped_source.h"
 #include "importer/btf/measured/measured.h"
 #include "importer/cli/input_kind.h"
 #include "importer/cli/interrupt.h"
@@ -60,6 +61,9 @@ class CookCommand : public Command {
     options.integer(
         "--levels", cook_.levels,
         "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
+    options.integer("--crop", crop_,
+                    "Of a measured BTF, only the middle N x N texels; 0: all, which must be a square", 0,
+                    16384);
     options.flag("--fix-nonfinite", fix_nonfinite_,
                  "Repair values that are not finite from their neighbours, and say so");
     options.bytes("--max-bytes", cook_.max_bytes,
@@ -140,22 +144,44 @@ class CookCommand : public Command {
       const auto baked = BakedOutput::open(input_, repairs_);
       if (!baked) return baked.issue();
       name_ = nameOf(baked->manifest().tile);
+      if (crop_ > 0)
+        return Issue{issue_id::kOption, Severity::kError, "--crop",
+                     "is for measured BTFs; bake at a smaller --size"};
       return cook(*baked, cook_);
     }
     auto measured = openMeasured(input_);
     if (!measured) return measured.issue();
     name_ = nameOf((input_.has_filename() ? input_ : input_.parent_path()).string());
+    if (const Status status = checkMeasured(**measured); !status) return status.issue();  // before it is read
     if (mode_ == "fused") note(globals, "no meso-geometry: cooking with --mode lod");
     if (cook_.mode == Mode::kFused) cook_.mode = Mode::kLod;
     note(globals, input_.string() + ": " + (*measured)->format());
     std::string cosine_note;
     const CosineFlag flag = (*measured)->cosineFlag();
     std::unique_ptr<BtfSource> finite = std::move(*measured);
+    if (crop_ > 0) {
+      auto cropped = croppedSource(std::move(finite), crop_);
+      if (!cropped) return cropped.issue();
+      finite = std::move(*cropped);
+    }
     if (repairs_) finite = repairedSource(std::move(finite), repairs_);
     const auto source = withCosine(std::move(finite), flag, globals.threads, cosine_note);
     if (!source) return source.issue();
     note(globals, cosine_note);
     return cook(**source, cook_);
+  }
+
+  Status checkMeasured(const BtfSource& measured) const {
+    const glm::ivec2 size = measured.size();
+    if (cook_.mode == Mode::kSurface)
+      return Issue{issue_id::kOption, Severity::kError, "--mode surface",
+                   measured.name() + " has no meso-geometry to show; cook it with --mode lod"};
+    if (crop_ == 0 && size.x != size.y)
+      return Issue{issue_id::kOption, Severity::kError, measured.name(),
+                   "is " + std::to_string(size.x) + " x " + std::to_string(size.y) +
+                       " texels, and only squares can be cooked: --crop " +
+                       std::to_string(std::min(size.x, size.y)) + " takes the middle of it"};
+    return {};
   }
 
   void print(const GlobalOptions& globals, const Material& material, double seconds) const {
@@ -235,6 +261,7 @@ class CookCommand : public Command {
   std::string mode_ = "fused", preset_ = "game", shadows_ = "joint", near_ = "surface", visibility_ = "auto",
               components_, name_;
   bool explain_ = false, fix_nonfinite_ = false;
+  int crop_ = 0;
   std::shared_ptr<RepairLog> repairs_;
   CookOptions cook_;
 };

@@ -9,6 +9,7 @@
 #include "importer/btf/measured/bonn_folder.h"
 #include "importer/btf/measured/btf_color.h"
 #include "importer/btf/measured/btf_file.h"
+#include "importer/btf/measured/cropped_source.h"
 #include "importer/cook/cook.h"
 #include "material/base/issues.h"
 #include "tests/unit/btf_writer.h"
@@ -320,6 +321,22 @@ class MemorySource : public MeasuredSource {
   std::string name_ = "memory";
   MemoryBtf btf_;
 };
+
+TEST(CroppedSource, IsTheMiddle) {
+  const MemoryBtf btf = makeBtf(8, 5, 3);
+  const auto cropped = croppedSource(std::make_unique<MemorySource>(btf), 3);
+  ASSERT_TRUE(cropped.ok()) << cropped.issue().text;
+  EXPECT_EQ((*cropped)->size(), glm::ivec2(3));
+  for (int v = 0; v < 3; ++v) {
+    const auto values = (*cropped)->view(v);
+    ASSERT_TRUE(values.ok());
+    ASSERT_EQ(values->size(), 27u);
+    for (int l = 0; l < 3; ++l)
+      for (size_t t = 0; t < 9; ++t)
+        EXPECT_EQ((*values)[size_t(l) * 9 + t], btf.at(v, l, (1 + t / 3) * 8 + 2 + t % 3));
+  }
+  EXPECT_FALSE(croppedSource(std::make_unique<MemorySource>(btf), 6).ok());
+}
 
 TEST(BonnFolder, WrittenAndRead_IsTheSameWithinTheEncoding) {
   const TemporaryFolder folder;

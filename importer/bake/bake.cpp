@@ -64,8 +64,9 @@ Status checkGutters(const BakeOptions& o, int needed) {
                                      {"--surface-size", o.surface_size},
                                      {"--geometry-size", o.geometry_size}}) {
     if (side == 0 || side >= needed) continue;
-    small += (small.empty() ? "" : ", ") + std::string(option);
-    remedy += " " + std::string(option) + " " + std::to_string(needed);
+    if (!small.empty()) small += ", ";
+    small += option;
+    remedy += std::string(" ").append(option).append(" ").append(std::to_string(needed));
   }
   if (small.empty()) return {};
   return Issue{issue_id::kOption, Severity::kError, small,

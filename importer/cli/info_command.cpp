@@ -222,7 +222,9 @@ class InfoCommand : public Command {
                  {"side", m.side},
                  {"lambda_max", m.lambda_max},
                  {"cosine_included", m.cosine_included},
-                 {"value_scale", m.value_scale}});
+                 {"value_scale", m.value_scale},
+                 {"aspect", m.aspect},
+                 {"period", m.period > 0 ? Json(m.period) : Json()}});
     json["mean"] = {{"ka", m.mean.ka},
                     {"kd", m.mean.kd},
                     {"ks", m.mean.ks},
@@ -277,6 +279,8 @@ class InfoCommand : public Command {
     std::string text = formatted("%s: %s, %d x %d texels, lambda 0 to %g, %zu bands, value %s cos(theta_i)\n",
                                  m.name.c_str(), modeName(m.mode), m.side, m.side, m.lambda_max,
                                  m.bands.size(), m.cosine_included ? "with" : "without");
+    if (m.aspect != 1) text += formatted("tile: period of 1 x %.4g\n", m.aspect);
+    if (m.period > 0) text += formatted("tile: %.4g m long in x\n", m.period);
     text += formatted("mean: ka %.4f, kd %.4f, ks %.4f, alpha %.2f, Cb %.4f, Cr %.4f%s\n", m.mean.ka,
                       m.mean.kd, m.mean.ks, m.mean.alpha, m.mean.cb, m.mean.cr,
                       m.mean.chroma == MeanChroma::kRatio ? " (of Y)" : "");

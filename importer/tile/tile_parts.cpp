@@ -15,8 +15,8 @@ glm::dvec3 normalOf(const Position& position, glm::dvec2 at, double step) {
   const glm::dvec3 du = position(at + glm::dvec2(step, 0)) - position(at - glm::dvec2(step, 0));
   const glm::dvec3 dv = position(at + glm::dvec2(0, step)) - position(at - glm::dvec2(0, step));
   const glm::dvec3 normal = glm::cross(du, dv);
-  const double length = glm::length(normal);
-  return length > 1e-12 ? normal / length : glm::dvec3(0, 0, 1);  // of a point that no triangle needs
+  // None of a point that no triangle needs.
+  return glm::dot(normal, normal) > 1e-24 ? glm::normalize(normal) : glm::dvec3(0, 0, 1);
 }
 
 // Two triangles a cell of columns x rows vertices that have been added last.

@@ -341,11 +341,10 @@ INSTANTIATE_TEST_SUITE_P(Tiles, Parity, testing::Values("button", "isba", "pulli
 
 // Height field and charts, whose periods are no squares: slopes differ by axis.
 TEST(ParityOnRectangles, GpuAgreesWithEvaluator) {
-  using importer::Preset, importer::Shadows;
   for (const char* name : {"bricks", "shingles"}) {
     SCOPED_TRACE(name);
     const Bake baked = bakeSmall(name, 0);
-    const Material material = cooked(baked.output, Mode::kSurface, Preset::kGame, Shadows::kJoint);
+    const Material material = cooked(baked.output, Kind{Mode::kSurface});
     EXPECT_NE(material.geometry.aspect, 1);
     expectParity(material, {});
     expectParity(material, {Lookup::kFast, Parallax::kFaded});

@@ -11,9 +11,9 @@ readonly TILES=(button isba pulli sponge)
 readonly PACKAGES=(
   build-essential ca-certificates ccache clang-format cmake ninja-build pkg-config libceres-dev libcli11-dev
   libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev libglfw3-dev libglm-dev libgtest-dev
-  libimgui-dev libopenimageio-dev libosd-dev libpng-dev libstb-dev libtbb-dev libtinygltf-dev
-  libturbojpeg0-dev libvulkan-dev libwebp-dev libxxhash-dev libzstd-dev nlohmann-json3-dev libegl-mesa0
-  libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers python3 xvfb zstd
+  libimgui-dev libmeshoptimizer-dev libopenimageio-dev libosd-dev libpng-dev libstb-dev libtbb-dev
+  libtinygltf-dev libturbojpeg0-dev libvulkan-dev libwebp-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
+  libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers python3 xvfb zstd
 )
 # llvmpipe, if that draws: 8-bit textures at full precision, in every verb alike.
 export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}

@@ -2,17 +2,19 @@
 // from all around.
 #include "scene_base_material.glsl"
 
-// The environment as a mirror of each roughness sees it: level 0 a perfect one, the last a wholly rough one.
+// The environment as a mirror of each roughness sees it: level 0 a perfect one, the last but one a wholly
+// rough one; the last level as a white Lambert surface does.
 layout(binding = SCENE_UNIT_REFLECTIONS) uniform samplerCube scene_reflections;
-// Over the cosine to the viewer and the roughness: reflectance = f0 * r + f90 * g; b that of sheen.
+// Over the cosine to the viewer and the roughness: reflectance = f0 * r + f90 * g; b that of sheen; a the
+// share of the normal in the middle of the lobe.
 layout(binding = SCENE_UNIT_REFLECTANCE) uniform sampler2D scene_reflectance;
 
 const float kPi = 3.14159265;
 
-vec3 reflectanceAt(float cosine, float roughness) {
+vec4 reflectanceAt(float cosine, float roughness) {
   vec2 size = vec2(textureSize(scene_reflectance, 0));
   vec2 at = (vec2(cosine, roughness) * (size - 1.0) + 0.5) / size;
-  return textureLod(scene_reflectance, at, 0.0).rgb;
+  return textureLod(scene_reflectance, at, 0.0);
 }
 
 // Trowbridge-Reitz, and Smith's masking and shadowing over 4 nl nv.
@@ -83,34 +85,41 @@ vec3 environmentRgb(vec3 w, float first, float second) {
 
 // What a mirror of this roughness shows. Without a reflection map: the polynomial, blurred as wide as the
 // lobe.
-vec3 mirroredLight(vec3 normal, vec3 wo, float roughness) {
-  vec3 mirrored = reflect(-wo, normal);
+vec3 mirroredLight(vec3 normal, vec3 wo, float roughness, float normal_share) {
+  vec3 mirrored = normalize(mix(reflect(-wo, normal), normal, normal_share));
   if (scene.flags.w > 0)
-    return textureLod(scene_reflections, mirrored, roughness * float(scene.flags.w - 1)).rgb;
+    return textureLod(scene_reflections, mirrored, pow(roughness, 2.0 / 3.0) * float(scene.flags.w - 1)).rgb;
   float width = roughness * roughness * roughness * roughness;
   return environmentRgb(mirrored, exp(-width), exp(-3.0 * width));
+}
+
+// Irradiance over pi.
+vec3 diffuseLight(vec3 normal) {
+  if (scene.flags.w > 0) return textureLod(scene_reflections, normal, float(scene.flags.w)).rgb;
+  return environmentRgb(normal, 2.0 / 3.0, 0.25);
 }
 
 // Light from all around. The mirror's light and its reflectance are averaged apart (Karis 2013); what is
 // reflected more than once between microfacets comes back as diffuse light (Fdez-Aguera 2019).
 vec3 baseEnvironment(BaseSurface s, vec3 wo) {
   float nv = clamp(dot(s.normal, wo), 0.0, 1.0);
-  vec3 table = reflectanceAt(nv, s.roughness);
+  vec4 table = reflectanceAt(nv, s.roughness);
   vec3 once = s.f0 * table.r + s.f90 * table.g;
   float lost = max(1.0 - table.r - table.g, 0.0);
   vec3 average = s.f0 + (s.f90 - s.f0) / 21.0;
   vec3 again = once * average * lost / (1.0 - average * lost);
-  vec3 around = environmentRgb(s.normal, 2.0 / 3.0, 0.25);
+  vec3 around = diffuseLight(s.normal);
   vec3 sum =
-      once * mirroredLight(s.normal, wo, s.roughness) +
+      once * mirroredLight(s.normal, wo, s.roughness, table.a) +
       (again + s.diffuse * (1.0 - max(once.r + again.r, max(once.g + again.g, once.b + again.b)))) * around;
   if ((base_material.flags.y & SCENE_SHEEN) != 0)
     sum = sum * belowSheen(s, nv) + s.sheen * reflectanceAt(nv, s.sheen_roughness).b * around;
   if ((base_material.flags.y & SCENE_CLEARCOAT) != 0) {
     float coat_nv = clamp(dot(s.coat_normal, wo), 0.0, 1.0);
-    vec3 coat_table = reflectanceAt(coat_nv, s.coat_roughness);
+    vec4 coat_table = reflectanceAt(coat_nv, s.coat_roughness);
     float reflected = s.coat * (0.04 * coat_table.r + coat_table.g);
-    sum = sum * (1.0 - reflected) + reflected * mirroredLight(s.coat_normal, wo, s.coat_roughness);
+    sum = sum * (1.0 - reflected) +
+          reflected * mirroredLight(s.coat_normal, wo, s.coat_roughness, coat_table.a);
   }
   return sum * s.occlusion;
 }

@@ -21,10 +21,10 @@ void setLinear(GLuint texture, GLint min_filter) {
 
 ImageLight::ImageLight() : reflectance_(makeTexture(GL_TEXTURE_2D, "reflectance")) {
   const GlPixelStateScope pixels;
-  static const std::vector<glm::vec3> table = makeReflectanceTable(kTableSide);
+  static const std::vector<glm::vec4> table = makeReflectanceTable(kTableSide);
   const GLuint name = reflectance_.name();
   glTextureStorage2D(name, 1, GL_RGBA16F, kTableSide, kTableSide);
-  glTextureSubImage2D(name, 0, 0, 0, kTableSide, kTableSide, GL_RGB, GL_FLOAT, table.data());
+  glTextureSubImage2D(name, 0, 0, 0, kTableSide, kTableSide, GL_RGBA, GL_FLOAT, table.data());
   setLinear(name, GL_LINEAR);
 }
 
@@ -36,8 +36,9 @@ void ImageLight::show(const std::shared_ptr<const ReflectionMap>& map) {
   const GlPixelStateScope pixels;
   reflections_ = makeTexture(GL_TEXTURE_CUBE_MAP, "reflections");
   const GLuint name = reflections_.name();
-  glTextureStorage2D(name, ReflectionMap::kLevels, GL_RGBA16F, ReflectionMap::kSide, ReflectionMap::kSide);
-  for (int level = 0; level < ReflectionMap::kLevels; ++level) {
+  glTextureStorage2D(name, ReflectionMap::kLevels + 1, GL_RGBA16F, ReflectionMap::kSide,
+                     ReflectionMap::kSide);
+  for (int level = 0; level <= ReflectionMap::kLevels; ++level) {
     const int side = ReflectionMap::kSide >> level;
     glTextureSubImage3D(name, level, 0, 0, 0, side, side, 6, GL_RGB, GL_FLOAT,
                         map->levels[size_t(level)].data());

@@ -158,6 +158,8 @@ Result<View> readView(const Reader& reader, int index, const std::string& place)
   };
   if (index < 0 || size_t(index) >= reader.model.bufferViews.size())
     return bad("buffer view " + std::to_string(index) + " does not exist");
+  if (const auto decoded = reader.decoded_views.find(index); decoded != reader.decoded_views.end())
+    return View{decoded->second.data.data(), decoded->second.data.size(), decoded->second.stride};
   const tinygltf::BufferView& view = reader.model.bufferViews[index];
   if (view.buffer < 0 || size_t(view.buffer) >= reader.model.buffers.size())
     return bad("buffer " + std::to_string(view.buffer) + " does not exist");

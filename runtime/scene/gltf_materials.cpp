@@ -9,7 +9,7 @@ namespace {
 glm::vec3 colorOf(const std::vector<double>& values, const glm::vec3& fallback) {
   if (values.size() < 3) return fallback;
   const glm::vec3 color(values[0], values[1], values[2]);
-  return std::isfinite(color.x + color.y + color.z) ? glm::max(color, glm::vec3(0)) : fallback;
+  return std::isfinite(color.x + color.y + color.z) ? glm::clamp(color, 0.0f, 1e6f) : fallback;
 }
 
 float unitFactor(double value, float fallback) {

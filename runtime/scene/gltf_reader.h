@@ -25,16 +25,21 @@ struct Reader {
   const tinygltf::Model& model;
   std::filesystem::path folder;  // of the file
   std::string file;              // for messages
-  Scene scene;
-  std::optional<int> variant;  // of the materials, that is shown
+  Scene scene = {};
+  std::optional<int> variant = {};  // of the materials, that is shown
   // Scene meshes of each glTF mesh, with their materials.
   struct Part {
     int mesh = 0, material = -1;
   };
-  std::vector<std::vector<Part>> parts;
-  size_t vertices = 0;        // of all meshes so far
-  std::vector<int> nodes;     // glTF node to index into Scene::nodes; -1 if it is not part of the scene
-  std::map<int, int> images;  // glTF image to index into Scene::images; -1 if it cannot be drawn
+  std::vector<std::vector<Part>> parts = {};
+  struct DecodedView {
+    std::vector<unsigned char> data;
+    uint64_t stride = 0;
+  };
+  std::map<int, DecodedView> decoded_views = {};  // of EXT_meshopt_compression, by buffer view
+  size_t vertices = 0;                            // of all meshes so far
+  std::vector<int> nodes = {};     // glTF node to index into Scene::nodes; -1 if it is not part of the scene
+  std::map<int, int> images = {};  // glTF image to index into Scene::images; -1 if it cannot be drawn
 
   Issue issue(int id, const std::string& place, std::string text) const {
     return {id, Severity::kError, file + ": " + place, std::move(text)};
@@ -86,6 +91,7 @@ Status readFlatBtf(const Reader& reader, const tinygltf::Material& source, const
                    std::optional<FlatBtfBinding>& binding);
 
 // Parts of the document, in the order in which they depend on each other.
+Status readCompressedViews(Reader& reader);  // which readView then returns decompressed
 Status readAssets(Reader& reader);
 Status readMaterials(Reader& reader);
 Status readMeshes(Reader& reader);

@@ -10,6 +10,7 @@
 #include "material/system/confined_path.h"
 #include "runtime/scene/gltf_guard.h"
 #include "runtime/scene/gltf_reader.h"
+#include "runtime/scene/gltf_rewrite.h"
 
 namespace loden::runtime {
 namespace {
@@ -97,12 +98,12 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
 
 Result<Scene> convert(const tinygltf::Model& model, const std::filesystem::path& path,
                       const SceneOptions& options) {
-  gltf::Reader reader{model, path.parent_path(), path.string(), {}, {}, {}, 0, {}, {}};
+  gltf::Reader reader{model, path.parent_path(), path.string()};
   reader.scene.name = path.stem().string();
   noteUndrawn(reader);
   if (Status status = gltf::readVariants(reader, options.variant); !status) return status.issue();
-  for (auto* part : {&gltf::readAssets, &gltf::readMaterials, &gltf::readMeshes, &gltf::readNodes,
-                     &gltf::readSkins, &gltf::readAnimations})
+  for (auto* part : {&gltf::readCompressedViews, &gltf::readAssets, &gltf::readMaterials, &gltf::readMeshes,
+                     &gltf::readNodes, &gltf::readSkins, &gltf::readAnimations})
     if (Status status = part(reader); !status) return status.issue();
   return std::move(reader.scene);
 }
@@ -114,7 +115,8 @@ Result<Scene> load(const std::filesystem::path& path, const SceneOptions& option
   const auto json = gltfJson(*bytes, file);
   if (!json) return json.issue();
   if (Status depth = checkJsonDepth(*json, file); !depth) return depth.issue();
-  const auto model = parse(*bytes, path.parent_path(), file);
+  const std::vector<std::byte> changed = withoutFallbackBuffers(*bytes, *json);
+  const auto model = parse(changed.empty() ? *bytes : changed, path.parent_path(), file);
   if (!model) return model.issue();
   if (Status required = checkRequired(*model, file); !required) return required.issue();
   return convert(*model, path, options);

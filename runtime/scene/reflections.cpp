@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 
 #include "material/model/directions.h"
 
@@ -134,17 +135,29 @@ struct LobeSample {
   glm::vec3 wi;
   float level;
 };
-std::vector<LobeSample> lobeSamples(float roughness) {
-  constexpr uint32_t kSamples = 48;
+std::vector<LobeSample> lobeSamples(float roughness, uint32_t count) {
   const float alpha = roughness * roughness;
   const float texel = 4 * kPiF / (6.0f * ReflectionMap::kSide * ReflectionMap::kSide);
   std::vector<LobeSample> samples;
-  for (uint32_t i = 0; i < kSamples; ++i) {
-    const glm::vec3 h = ggxHalf(hammersley(i, kSamples), alpha);
+  for (uint32_t i = 0; i < count; ++i) {
+    const glm::vec3 h = ggxHalf(hammersley(i, count), alpha);
     const glm::vec3 wi = 2 * h.z * h - glm::vec3(0, 0, 1);
     if (!(wi.z > 0)) continue;
-    const float share = 4 / (float(kSamples) * ggxDensity(h.z, alpha));  // steradians
-    samples.push_back({wi, std::max(0.5f * std::log2(share / texel) + 1, 0.0f)});
+    const float share = 4 / (float(count) * ggxDensity(h.z, alpha));  // steradians
+    samples.push_back({wi, std::max(0.5f * std::log2(share / texel) + 0.5f, 0.0f)});
+  }
+  return samples;
+}
+
+// Directions spread evenly over the hemisphere: whoever sums them weighs them by their cosines.
+std::vector<LobeSample> cosineSamples() {
+  constexpr uint32_t kSamples = 1024;
+  constexpr float kLevel = 4;  // texels of some 5 degrees
+  std::vector<LobeSample> samples;
+  for (uint32_t i = 0; i < kSamples; ++i) {
+    const glm::vec2 u = hammersley(i, kSamples);
+    const float z = 1 - u.y, around = std::sqrt(1 - z * z);
+    samples.push_back({{around * std::cos(2 * kPiF * u.x), around * std::sin(2 * kPiF * u.x), z}, kLevel});
   }
   return samples;
 }
@@ -155,15 +168,19 @@ glm::mat3 frameAround(const glm::vec3& z) {
   return {x, glm::cross(z, x), z};
 }
 
-std::vector<glm::vec3> blurred(const CubePyramid& source, int level) {
+std::vector<glm::vec3> blurredFace(const CubePyramid& source, int level, int face) {
   const int side = ReflectionMap::kSide >> level;
-  const std::vector<LobeSample> samples = lobeSamples(float(level) / (ReflectionMap::kLevels - 1));
+  // Lights much brighter than the rest show as rings where samples are few; coarse levels can afford many.
+  const uint32_t count = std::min(64u << level, 1024u);
+  const float roughness = std::pow(float(level) / (ReflectionMap::kLevels - 1), 1.5f);
+  const std::vector<LobeSample> samples =
+      level < ReflectionMap::kLevels ? lobeSamples(roughness, count) : cosineSamples();
   std::vector<glm::vec3> result;
-  result.reserve(size_t(6) * size_t(side) * size_t(side));
-  for (int row = 0; row < 6 * side; ++row)
+  result.reserve(size_t(side) * size_t(side));
+  for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column) {
-      const glm::vec2 st = (glm::vec2(column, row % side) + 0.5f) / float(side);
-      const glm::mat3 frame = frameAround(cubeDirection(row / side, st));
+      const glm::vec2 st = (glm::vec2(column, row) + 0.5f) / float(side);
+      const glm::mat3 frame = frameAround(cubeDirection(face, st));
       glm::vec3 sum(0);
       float weight = 0;
       for (const LobeSample& sample : samples) {
@@ -175,12 +192,28 @@ std::vector<glm::vec3> blurred(const CubePyramid& source, int level) {
   return result;
 }
 
-// f0 and f90's shares of the GGX lobe's reflectance, by importance sampling of half vectors.
-glm::vec2 ggxReflectance(float nv, float roughness) {
+// All faces of a level, on as many threads as there are.
+std::vector<glm::vec3> blurred(const CubePyramid& source, int level) {
+  std::vector<std::future<std::vector<glm::vec3>>> faces;
+  for (int face = 0; face < 6; ++face)
+    faces.push_back(
+        std::async(std::launch::async, [&source, level, face] { return blurredFace(source, level, face); }));
+  std::vector<glm::vec3> result;
+  for (auto& face : faces) {
+    const std::vector<glm::vec3> pixels = face.get();
+    result.insert(result.end(), pixels.begin(), pixels.end());
+  }
+  return result;
+}
+
+// f0 and f90's shares of the GGX lobe's reflectance, and the share of the normal in its middle (see
+// makeReflectanceTable), by importance sampling of half vectors.
+glm::vec3 ggxReflectance(float nv, float roughness) {
   constexpr uint32_t kSamples = 128;
   const float alpha = roughness * roughness;
   const glm::vec3 wo(std::sqrt(std::max(1 - nv * nv, 0.0f)), 0, nv);
   glm::vec2 sum(0);
+  glm::vec3 middle(0);
   for (uint32_t i = 0; i < kSamples; ++i) {
     const glm::vec3 h = ggxHalf(hammersley(i, kSamples), alpha);
     const float vh = glm::dot(wo, h);
@@ -189,8 +222,13 @@ glm::vec2 ggxReflectance(float nv, float roughness) {
     const float value = ggxVisibility(wi.z, nv, alpha) * 4 * wi.z * vh / h.z;
     const float fresnel = std::pow(1 - vh, 5.0f);
     sum += value * glm::vec2(1 - fresnel, fresnel);
+    middle += value * wi;
   }
-  return sum / float(kSamples);
+  // middle = along_mirror * (-wo.x, 0, wo.z) + along_normal * (0, 0, 1)
+  const float along_mirror = wo.x > 0.05f ? -middle.x / wo.x : middle.z;
+  const float along_normal = middle.z - along_mirror * nv;
+  const float share = along_normal / (along_normal + along_mirror);
+  return {sum / float(kSamples), std::clamp(share, 0.0f, 1.0f)};
 }
 
 // As sheenLobe() of shaders/scene_base_lighting.glsl, over the hemisphere.
@@ -230,18 +268,19 @@ ReflectionMap makeReflectionMap(const Panorama& panorama, const glm::mat3& world
   const CubePyramid pyramid(cubeOf(panorama, world_from_panorama));
   ReflectionMap map;
   map.levels.push_back(pyramid.finest());
-  for (int level = 1; level < ReflectionMap::kLevels; ++level) map.levels.push_back(blurred(pyramid, level));
+  for (int level = 1; level <= ReflectionMap::kLevels; ++level) map.levels.push_back(blurred(pyramid, level));
   map.light = rotated(projectPanorama(panorama, 0).light, world_from_panorama);
   return map;
 }
 
-std::vector<glm::vec3> makeReflectanceTable(int side) {
-  std::vector<glm::vec3> table;
+std::vector<glm::vec4> makeReflectanceTable(int side) {
+  std::vector<glm::vec4> table;
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column) {
       const float nv = std::max(float(column) / float(side - 1), 0.01f);
       const float roughness = std::max(float(row) / float(side - 1), 0.03f);
-      table.emplace_back(ggxReflectance(nv, roughness), sheenReflectance(nv, std::max(roughness, 0.07f)));
+      const glm::vec3 ggx = ggxReflectance(nv, roughness);
+      table.emplace_back(ggx.x, ggx.y, sheenReflectance(nv, std::max(roughness, 0.07f)), ggx.z);
     }
   return table;
 }
@@ -256,7 +295,7 @@ Panorama neutralPanorama() {
       const float lights = 4.2f * softLight(w, {0.45f, -0.5f, 0.8f}, 0.95f, 0.86f) +
                            2.0f * softLight(w, {-0.9f, -0.35f, 0.35f}, 0.93f, 0.8f) +
                            2.4f * softLight(w, {0.25f, 0.9f, 0.45f}, 0.95f, 0.85f);
-      panorama.pixels.emplace_back(walls + lights);
+      panorama.pixels.emplace_back(0.65f * (walls + lights));
     }
   return panorama;
 }

@@ -113,6 +113,7 @@ fs::path GltfBuilder::write() {
   std::ofstream(folder_ / "scene.bin", std::ios::binary) << bytes;
   Json whole = json;
   if (!bytes.empty()) whole["buffers"] = {{{"uri", "scene.bin"}, {"byteLength", bytes.size()}}};
+  for (const Json& buffer : more_buffers) whole["buffers"].push_back(buffer);
   std::ofstream(folder_ / "scene.gltf") << whole;
   return folder_ / "scene.gltf";
 }

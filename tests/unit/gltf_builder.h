@@ -23,7 +23,8 @@ class GltfBuilder {
   GltfBuilder& operator=(const GltfBuilder&) = delete;
 
   Json json;
-  std::string bytes;  // of the only buffer
+  std::string bytes;  // of the first buffer
+  Json more_buffers = Json::array();
 
   // Index of a buffer view of these bytes.
   int view(const std::string& content);

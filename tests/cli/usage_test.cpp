@@ -21,6 +21,28 @@ TEST(Cli, UnknownVerb_IsUsage) {
   EXPECT_EQ(loden({"frobnicate"}).exit_code, 1);
 }
 
+TEST(Cli, VerbThatIsNearlyOne_IsSuggested) {
+  for (const auto& [typed, meant] : {std::pair{"bak", "bake"},
+                                     {"cokk", "cook"},
+                                     {"inof", "info"},
+                                     {"vaildate", "validate"},
+                                     {"Pack", "pack"}}) {
+    const ToolRun run = loden({typed});
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_NE(run.err.find(std::string("did you mean '") + meant + "'"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(loden({"frobnicate"}).err.find("did you mean"), std::string::npos);
+}
+
+#ifdef LODEN_WALK
+TEST(Cli, EveryToolTellsTheSameVersion) {
+  const ToolRun tool = loden({"--version"}), walk = runTool(LODEN_WALK, {"--version"});
+  EXPECT_EQ(tool.exit_code, 0);
+  EXPECT_EQ(walk.exit_code, 0);
+  EXPECT_EQ(walk.out, "loden_walk" + tool.out.substr(std::string("loden").size()));
+}
+#endif
+
 TEST(Cli, Help_NamesEveryVerb) {
   const ToolRun run = loden({"--help"});
   EXPECT_EQ(run.exit_code, 0);

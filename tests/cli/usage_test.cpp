@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <future>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,18 @@ TEST(Cli, NoVerb_IsUsage) {
 
 TEST(Cli, UnknownVerb_IsUsage) {
   EXPECT_EQ(loden({"frobnicate"}).exit_code, 1);
+}
+
+TEST(Cli, ValidateList_NamesEveryIssueInTextAndJson) {
+  const ToolRun text = loden({"validate", "--list"}),
+                json = loden({"validate", "--list", "--format", "json"});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("2005 chunk-checksum"), std::string::npos) << text.out;
+  const auto list = nlohmann::json::parse(json.out, nullptr, false);
+  ASSERT_TRUE(list.is_object()) << json.out;
+  EXPECT_EQ(list["schema"], "loden/validate-list/1");
+  EXPECT_EQ(list["issues"].size(), size_t(std::count(text.out.begin(), text.out.end(), '\n')));
+  EXPECT_EQ(loden({"validate"}).exit_code, 1);
 }
 
 TEST(Cli, VerbThatIsNearlyOne_IsSuggested) {

@@ -28,23 +28,23 @@ namespace fs = std::filesystem;
 constexpr double kMaxMissRate = 1e-3;
 
 Status checkOptions(const BakeOptions& o) {
-  const auto refuse = [](const std::string& option, const std::string& why) {
-    return Issue{issue_id::kOption, Severity::kError, option, why};
+  const auto refuse = [](const std::string& field, const std::string& why) {
+    return Issue{issue_id::kOption, Severity::kError, field, why};
   };
   for (const int side : {o.size, o.flat_size, o.surface_size, o.geometry_size})
-    if (side < 0 || side > 4096) return refuse("--size", "must be 1 to 4096 texels");
-  if (o.size < 1) return refuse("--size", "must be 1 to 4096 texels");
+    if (side < 0 || side > 4096) return refuse("size", "must be 1 to 4096 texels");
+  if (o.size < 1) return refuse("size", "must be 1 to 4096 texels");
   if (o.supersample < 1 || o.supersample > 16)
-    return refuse("--supersample", "must be 1 to 16 samples per side");
-  if (o.bounces < 0 || o.bounces > 16) return refuse("--bounces", "must be 0 to 16");
+    return refuse("supersample", "must be 1 to 16 samples per side");
+  if (o.bounces < 0 || o.bounces > 16) return refuse("bounces", "must be 0 to 16");
   if (o.shards < 1 || o.shard < 0 || o.shard >= o.shards)
-    return refuse("--shard", "must be I/N with 0 <= I < N");
+    return refuse("shard", "must be I/N with 0 <= I < N");
   for (const glm::ivec2& v : o.vdims)
     if (v.x < 2 || v.y < 2 || v.x > kMaxVdimSide || v.y > kMaxVdimSide)
-      return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
+      return refuse("vdims", "a latlong map has 2 to 256 zeniths and azimuths");
   for (const int side : o.concentric_vdims)
     if (side < 1 || side > kMaxVdimSide)
-      return refuse("--vdim", "a concentric map has 1 to 256 directions per side");
+      return refuse("vdims", "a concentric map has 1 to 256 directions per side");
   return {};
 }
 
@@ -55,12 +55,12 @@ Status checkGutters(const Tile& tile, const BakeManifest& m) {
     return {};
   const double gutter = gutterOf(tile) + 1.0 / 256;  // half of what gutterOf may have cut off
   const int needed = static_cast<int>(std::ceil(2 / gutter));
-  for (const auto& [option, side] : {std::pair{"--size", m.size},
-                                     {"--flat-size", m.flat_size},
-                                     {"--surface-size", m.surface_size},
-                                     {"--geometry-size", m.geometry_size}})
+  for (const auto& [field, side] : {std::pair{"size", m.size},
+                                    {"flat_size", m.flat_size},
+                                    {"surface_size", m.surface_size},
+                                    {"geometry_size", m.geometry_size}})
     if (side < needed)
-      return Issue{issue_id::kOption, Severity::kError, option,
+      return Issue{issue_id::kOption, Severity::kError, field,
                    "the tile has several charts, and the gutters between them need at least " +
                        std::to_string(needed) + " texels per side"};
   return {};

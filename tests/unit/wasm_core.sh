@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compiles the core of Loden::material, which is all of it but material/system, for WebAssembly. Needs Debian's
-# clang-16, libc++-16-dev-wasm32 and wasi-libc; without them it exits with 77, which ctest counts as skipped.
+# Compiles the core of Loden::material, which is all of it but material/system, for WebAssembly. Needs
+# Debian's clang-16, libc++-16-dev-wasm32 and wasi-libc; without them it exits with 77, which ctest counts as
+# skipped.
 # usage: wasm_core.sh, from anywhere
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -253,8 +253,7 @@ Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& option
   constexpr std::string_view kBuiltin = "builtin:";
   if (!name_or_path.starts_with(kBuiltin)) return tileFromFile(name_or_path, options);
   if (options.subdivide > 0)
-    return refuse(issue_id::kOption, "--subdivide",
-                  "is for cages from files; builtin tiles are fine already");
+    return refuse(issue_id::kOption, "subdivide", "is for cages from files; builtin tiles are fine already");
   return builtinTile(name_or_path.substr(kBuiltin.size()));
 }
 

@@ -32,7 +32,7 @@ Json facts(const runtime::Capabilities& gl) {
 int runDoctor(bool json) {
   const auto device = runtime::Device::create({});
   if (!device) {
-    std::fprintf(stderr, "loden_walk: %s (%d)\n", device.issue().text.c_str(), device.issue().id);
+    std::fprintf(stderr, "loden_walk: %s [%d]\n", device.issue().text.c_str(), device.issue().id);
     return 4;
   }
   const Json all = facts((*device)->capabilities());

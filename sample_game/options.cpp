@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <map>
 
+#include "material/base/version.h"
+
 namespace loden::walk {
 namespace {
 
@@ -148,6 +150,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
   for (int i = 0; i < argc; ++i) (parsed.options.command += i > 0 ? " " : "") += argv[i];
   std::string size, light;
   CLI::App app("loden_walk: walks through a glTF scene with Loden materials", "loden_walk");
+  app.set_version_flag("--version", "loden_walk " LODEN_VERSION);
   addInput(app, parsed.options, light);
   addOutput(app, parsed.options, size);
   addRuntime(app, parsed.options);

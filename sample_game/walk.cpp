@@ -27,7 +27,7 @@ double millisecondsSince(Clock::time_point start) {
 }
 
 int fail(const Issue& issue) {
-  std::fprintf(stderr, "loden_walk: %s: %s (%d)\n", issue.where.c_str(), issue.text.c_str(), issue.id);
+  std::fprintf(stderr, "loden_walk: %s: %s [%d]\n", issue.where.c_str(), issue.text.c_str(), issue.id);
   return exitCodeOf(issue);
 }
 

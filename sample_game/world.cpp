@@ -20,7 +20,7 @@ constexpr int kEnvironmentSuns = 2;  // each costs as much as a light
 
 void printIssue(const Issue& issue) {
   if (issue.severity == Severity::kNote) return;
-  std::fprintf(stderr, "loden_walk: %s: %s (%d)\n", issue.where.c_str(), issue.text.c_str(), issue.id);
+  std::fprintf(stderr, "loden_walk: %s: %s [%d]\n", issue.where.c_str(), issue.text.c_str(), issue.id);
 }
 
 // Scenes have y up, surfaces z up.

@@ -28,23 +28,23 @@ namespace fs = std::filesystem;
 constexpr double kMaxMissRate = 1e-3;
 
 Status checkOptions(const BakeOptions& o) {
-  const auto refuse = [](const std::string& option, const std::string& why) {
-    return Issue{issue_id::kOption, Severity::kError, option, why};
+  const auto refuse = [](const std::string& field, const std::string& why) {
+    return Issue{issue_id::kOption, Severity::kError, field, why};
   };
   for (const int side : {o.size, o.flat_size, o.surface_size, o.geometry_size})
-    if (side < 0 || side > 4096) return refuse("--size", "must be 1 to 4096 texels");
-  if (o.size < 1) return refuse("--size", "must be 1 to 4096 texels");
+    if (side < 0 || side > 4096) return refuse("size", "must be 1 to 4096 texels");
+  if (o.size < 1) return refuse("size", "must be 1 to 4096 texels");
   if (o.supersample < 1 || o.supersample > 16)
-    return refuse("--supersample", "must be 1 to 16 samples per side");
-  if (o.bounces < 0 || o.bounces > 16) return refuse("--bounces", "must be 0 to 16");
+    return refuse("supersample", "must be 1 to 16 samples per side");
+  if (o.bounces < 0 || o.bounces > 16) return refuse("bounces", "must be 0 to 16");
   if (o.shards < 1 || o.shard < 0 || o.shard >= o.shards)
-    return refuse("--shard", "must be I/N with 0 <= I < N");
+    return refuse("shard", "must be I/N with 0 <= I < N");
   for (const glm::ivec2& v : o.vdims)
     if (v.x < 2 || v.y < 2 || v.x > kMaxVdimSide || v.y > kMaxVdimSide)
-      return refuse("--vdim", "a latlong map has 2 to 256 zeniths and azimuths");
+      return refuse("vdims", "a latlong map has 2 to 256 zeniths and azimuths");
   for (const int side : o.concentric_vdims)
     if (side < 1 || side > kMaxVdimSide)
-      return refuse("--vdim", "a concentric map has 1 to 256 directions per side");
+      return refuse("vdims", "a concentric map has 1 to 256 directions per side");
   return {};
 }
 
@@ -60,9 +60,9 @@ int texelsForGutters(const Tile& tile) {
 // Of sizes that were asked for; others are chosen large enough.
 Status checkGutters(const BakeOptions& o, int needed) {
   std::string small, remedy;
-  for (const auto& [option, side] : {std::pair{"--flat-size", o.flat_size},
-                                     {"--surface-size", o.surface_size},
-                                     {"--geometry-size", o.geometry_size}}) {
+  for (const auto& [option, side] : {std::pair{"flat_size", o.flat_size},
+                                     {"surface_size", o.surface_size},
+                                     {"geometry_size", o.geometry_size}}) {
     if (side == 0 || side >= needed) continue;
     if (!small.empty()) small += ", ";
     small += option;

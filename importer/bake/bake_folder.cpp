@@ -146,7 +146,7 @@ Result<BakeFolder> BakeFolder::prepare(const fs::path& folder, const BakeManifes
   if (!present.empty() && present != wanted && (resume || shared))
     return Issue{issue_id::kExists, Severity::kError, folder.string(),
                  "holds a bake of another tile, with other options or by another version; choose an empty "
-                 "folder, or bake without --resume and --shard"};
+                 "folder, or bake neither resumed nor in shards"};
   if (const std::string part = present.empty() ? foreignPart(folder) : std::string(); !part.empty())
     return Issue{
         issue_id::kExists, Severity::kError, (folder / part).string(),

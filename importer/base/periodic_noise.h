@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include "material/model/geometry_image.h"
+
 namespace loden::importer {
 
 // Uniform in [0, 1) for a lattice point; integer arithmetic only (Wang's hash).
@@ -17,10 +19,6 @@ inline double latticeRandom(int x, int y, uint32_t seed) {
   h *= 0x27D4EB2Du;
   h ^= h >> 15;
   return h / 4294967296.0;
-}
-
-inline int wrapIndex(int i, int n) {
-  return (i % n + n) % n;
 }
 
 // Value noise in [-1, 1], twice differentiable, period 1 in both coordinates; cells.x by cells.y lattice

@@ -1,5 +1,6 @@
 // The only file that knows CLI11.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -8,6 +9,7 @@
 
 #include "importer/cli/command.h"
 #include "importer/cli/interrupt.h"
+#include "material/base/version.h"
 
 namespace loden::importer {
 
@@ -132,9 +134,44 @@ void declareGlobals(CLI::App& app, GlobalOptions& globals) {
   app.add_flag("-v,--verbose", globals.verbose, "More of what a bake or cook found");
 }
 
-int explainUsage(const CLI::App& app, const CLI::ParseError& error) {
+// Letters to insert, leave out, replace or swap with their neighbour until `a` is `b`.
+size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<size_t>> cost(a.size() + 1, std::vector<size_t>(b.size() + 1));
+  for (size_t i = 0; i <= a.size(); ++i)
+    for (size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = i + j;
+        continue;
+      }
+      cost[i][j] =
+          std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, cost[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  return cost[a.size()][b.size()];
+}
+
+// The verb that was meant by a word that is none; empty if none is close.
+std::string closestVerb(const CLI::App& app, const std::string& word) {
+  std::string closest;
+  size_t least = 3;  // letters
+  for (const CLI::App* verb : app.get_subcommands({}))
+    if (const size_t distance = editDistance(word, verb->get_name());
+        distance < std::min(least, verb->get_name().size() / 2 + 1))
+      least = distance, closest = verb->get_name();
+  return closest;
+}
+
+int explainUsage(const CLI::App& app, const CLI::ParseError& error, const char* first) {
   if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
-  std::fprintf(stderr, "loden: %s\n", error.what());
+  const bool unknown_verb = app.get_subcommands().empty() && first && *first && *first != '-';
+  if (unknown_verb) {
+    const std::string meant = closestVerb(app, first);
+    std::fprintf(stderr, "loden: '%s' is no verb%s\n", first,
+                 meant.empty() ? "" : ("; did you mean '" + meant + "'?").c_str());
+  } else {
+    std::fprintf(stderr, "loden: %s\n", error.what());
+  }
   const CLI::App* verb = &app;
   for (const CLI::App* parsed : app.get_subcommands()) verb = parsed;
   std::fprintf(stderr, "See '%s%s --help'.\n", verb == &app ? "" : "loden ", verb->get_name().c_str());
@@ -152,7 +189,7 @@ int runGuarded(Command& command, const GlobalOptions& globals) {
   try {
     return flushed(command.run(globals));
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "loden %s: out of memory; try a smaller --size or fewer threads\n",
+    std::fprintf(stderr, "loden %s: out of memory; try smaller sizes, or fewer threads\n",
                  std::string(command.name()).c_str());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "loden %s: %s\n", std::string(command.name()).c_str(), error.what());
@@ -196,7 +233,7 @@ int runCommandLine(int argc, char** argv, const std::vector<std::unique_ptr<Comm
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return explainUsage(app, error);
+    return explainUsage(app, error, argc > 1 ? argv[1] : nullptr);
   }
   watchInterrupts();
   for (size_t i = 0; i < verbs.size(); ++i)

@@ -19,6 +19,17 @@ const char* severityName(Severity severity) {
   return severity == Severity::kError ? "error" : severity == Severity::kWarning ? "warning" : "note";
 }
 
+// "flat_size", a field of a library's options, as it is typed: "--flat-size". What is no name of a field
+// stays.
+std::string optionOfField(const std::string& field) {
+  if (field.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos || field.empty())
+    return field;
+  if (field == "vdims") return "--vdim";
+  std::string option = "--" + field;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return option;
+}
+
 }  // namespace
 
 std::string issueText(const Issue& issue) {
@@ -27,8 +38,9 @@ std::string issueText(const Issue& issue) {
 }
 
 int fail(const Issue& issue) {
-  std::fprintf(stderr, "loden: %s%s%s [%d]\n", issue.where.c_str(), issue.where.empty() ? "" : ": ",
-               issue.text.c_str(), issue.id);
+  const std::string where = issue.id == issue_id::kOption ? optionOfField(issue.where) : issue.where;
+  std::fprintf(stderr, "loden: %s%s%s [%d]\n", where.c_str(), where.empty() ? "" : ": ", issue.text.c_str(),
+               issue.id);
   return exitCodeOf(issue);
 }
 

@@ -7,6 +7,7 @@
 #include "importer/cli/output.h"
 #include "importer/gltf/pack.h"
 #include "importer/gltf/validate.h"
+#include "material/base/issue_table.h"
 #include "material/base/issues.h"
 
 namespace loden::importer {
@@ -20,11 +21,14 @@ class ValidateCommand : public Command {
   }
 
   void declare(Options& options) override {
-    options.path("file", path_, "Asset (.loden) or scene (.gltf, .glb)", true);
+    options.path("file", path_, "Asset (.loden) or scene (.gltf, .glb)");
+    options.flag("--list", list_, "Print every issue's number, name and meaning instead");
     options.footer("Numbers: 1xxx files, 2xxx container, 3xxx header, 4xxx bands and maps, 5xxx glTF.");
   }
 
   int run(const GlobalOptions& globals) override {
+    if (list_) return printList(globals);
+    if (path_.empty()) return failUsage("file is required");
     const auto found = inputKind(path_) == InputKind::kGltf ? validateGltf(path_) : validateAssetFile();
     if (!found) return fail(found.issue());
     const std::vector<Issue>& issues = *found;
@@ -55,6 +59,21 @@ class ValidateCommand : public Command {
   }
 
  private:
+  static int printList(const GlobalOptions& globals) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    std::string text;
+    for (const IssueKind& kind : kIssueKinds) {
+      const std::string name(kind.name), summary(kind.summary);
+      list.push_back({{"id", kind.id}, {"name", name}, {"summary", summary}});
+      text += formatted("%d %-18s %s\n", kind.id, name.c_str(), summary.c_str());
+    }
+    if (globals.json)
+      printJson("validate-list", {{"issues", list}});
+    else
+      printText(text);
+    return kExitOk;
+  }
+
   static bool isPrefix(const std::vector<Issue>& issues) {
     return std::any_of(issues.begin(), issues.end(),
                        [](const Issue& issue) { return issue.id == issue_id::kPrefix; });
@@ -67,6 +86,7 @@ class ValidateCommand : public Command {
   }
 
   std::filesystem::path path_;
+  bool list_ = false;
 };
 
 }  // namespace

@@ -44,8 +44,8 @@ struct Footprint {
     const glm::dvec2 at = p * double(side) - 0.5, cell = glm::floor(at), f = at - cell;
     for (int k = 0; k < 4; ++k) {
       const int dx = k & 1, dy = k >> 1;
-      const int x = wrapped(static_cast<int>(cell.x) + dx, side),
-                y = wrapped(static_cast<int>(cell.y) + dy, side);
+      const int x = wrapIndex(static_cast<int>(cell.x) + dx, side),
+                y = wrapIndex(static_cast<int>(cell.y) + dy, side);
       const double share = (dx ? f.x : 1 - f.x) * (dy ? f.y : 1 - f.y);
       taps.emplace_back(y * side + x, static_cast<float>(share * weight));
     }
@@ -67,9 +67,6 @@ struct Footprint {
     for (const auto& [texel, weight] : taps) sum += weight * flat[texel];
     return sum;
   }
-
- private:
-  static int wrapped(int i, int n) { return ((i % n) + n) % n; }
 };
 
 std::vector<Footprint> tracedFootprints(const TileTracer& tracer, const glm::dvec3& wo, int side,

@@ -7,6 +7,9 @@ set(LODEN_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Loden)
 # loden_install_library(COMPONENT HEADERS ...), called in the library's own folder.
 function(loden_install_library component)
   cmake_parse_arguments(arg "" "" "HEADERS" ${ARGN})
+  # Before 1.0 every minor version may break its users' binaries.
+  set_target_properties(loden_${component} PROPERTIES VERSION ${PROJECT_VERSION}
+          SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_sources(loden_${component} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES
           ${arg_HEADERS})
   install(TARGETS loden_${component} EXPORT Loden-${component}

@@ -205,7 +205,12 @@ bool writeGallery(const std::filesystem::path& folder) {
 }  // namespace gallery
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fprintf(stderr, "usage: make_gallery FOLDER\n"), 1;
+  const std::string argument = argc == 2 ? argv[1] : "";
+  if (argument == "--help" || argument == "-h")
+    return std::printf("usage: make_gallery FOLDER\nWrites gallery.gltf and gallery.bin into the folder.\n"),
+           0;
+  if (argument.empty() || argument.front() == '-')
+    return std::fprintf(stderr, "usage: make_gallery FOLDER\n"), 1;
   std::error_code error;
   std::filesystem::create_directories(argv[1], error);
   if (gallery::writeGallery(argv[1])) return 0;

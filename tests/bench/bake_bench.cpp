@@ -20,6 +20,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <vector>
@@ -267,9 +268,12 @@ int run(const std::string& name, int size, int supersample) {
 }  // namespace loden::importer
 
 int main(int argc, char** argv) {
+  constexpr const char* kUsage = "usage: bench_bake [TILE [SIZE [SUPERSAMPLE]]], SIZE a multiple of 8\n";
+  if (argc > 1 && (!std::strcmp(argv[1], "--help") || !std::strcmp(argv[1], "-h")))
+    return std::fputs(kUsage, stdout), 0;
   const int size = argc > 2 ? std::atoi(argv[2]) : 32, supersample = argc > 3 ? std::atoi(argv[3]) : 4;
   if (size < 8 || size % 8 != 0 || supersample < 1) {
-    std::fprintf(stderr, "usage: bench_bake [TILE [SIZE [SUPERSAMPLE]]], SIZE a multiple of 8\n");
+    std::fputs(kUsage, stderr);
     return 1;
   }
   return loden::importer::run(argc > 1 ? argv[1] : "builtin:button", size, supersample);

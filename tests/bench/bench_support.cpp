@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <random>
 
 #include "material/base/exit_code.h"
@@ -128,6 +129,13 @@ GeometryImage wavyGeometry(int side) {
     }
   const std::vector<uint16_t> charts(positions.size(), 1);
   return encodeGeometryImage(side, positions, charts, true);
+}
+
+void answerHelp(int argc, char** argv, const char* usage) {
+  for (int i = 1; i < argc; ++i)
+    if (!std::strcmp(argv[i], "--help") || !std::strcmp(argv[i], "-h"))
+      std::printf("usage: %s\n", usage), std::exit(0);
+  if (argc > 1 && !std::strchr(usage, ' ')) std::fprintf(stderr, "usage: %s\n", usage), std::exit(1);
 }
 
 std::unique_ptr<Device> makeDevice() {

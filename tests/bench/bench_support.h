@@ -20,6 +20,10 @@ Material surfaceMaterial(uint32_t seed);  // three maps
 // Waves of depth .1, as a height field over its own x and y.
 GeometryImage wavyGeometry(int side);
 
+// If an argument is --help or -h, prints `usage` and exits with 0. Exits with 1 for any other argument of a
+// program whose `usage` names none.
+void answerHelp(int argc, char** argv, const char* usage);
+
 // Headless, with the driver's messages on stderr; exits if there is none.
 std::unique_ptr<runtime::Device> makeDevice();
 

@@ -84,7 +84,8 @@ void report(const FullScreen& screen, MaterialSystem& materials, const Subject& 
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  answerHelp(argc, argv, "bench_branching");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const std::unique_ptr<Device> device = makeDevice();
   const std::unique_ptr<MaterialSystem> materials = require(MaterialSystem::create(*device, {}));

@@ -201,7 +201,8 @@ void report(const Gpu& gpu, const std::string& name, const char* text,
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  bench::answerHelp(argc, argv, "bench_radv");
   const Gpu gpu = openGpu();
   std::printf("# bench_radv: %s, one point and one light per invocation\n", gpu.name.c_str());
   std::printf("%-24s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency",

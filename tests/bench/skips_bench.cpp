@@ -170,7 +170,8 @@ void reportVariants(const Device& device) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  answerHelp(argc, argv, "bench_skips");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const std::unique_ptr<Device> device = makeDevice();
   std::printf("# bench_skips: median of %d interleaved frames, %s; each skip on, and off alone\n", kRounds,

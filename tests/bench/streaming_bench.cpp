@@ -352,6 +352,7 @@ void reportScale(const Device& device) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  answerHelp(argc, argv, "bench_streaming [--assets FOLDER] [--only REPORT] [--rounds N]");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   std::string assets, only;
   int rounds = 3;

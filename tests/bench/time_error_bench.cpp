@@ -395,13 +395,13 @@ struct Arguments {
   bool print_json = false;
 };
 
+constexpr const char* kUsage =
+    "bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv FILE]\n"
+    "       [--format text|json] [--threads N] [--command TEXT] [-q]; TEXT stands in the JSON as what was "
+    "typed";
+
 [[noreturn]] void usage(const std::string& wrong) {
-  std::fprintf(stderr,
-               "bench_time_error: %s\n"
-               "usage: bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv "
-               "FILE] [--format text|json] [--threads N]\n"
-               "       [--command TEXT] [-q]; TEXT stands in the JSON as what was typed\n",
-               wrong.c_str());
+  std::fprintf(stderr, "bench_time_error: %s\nusage: %s\n", wrong.c_str(), kUsage);
   std::exit(1);
 }
 
@@ -466,6 +466,7 @@ void write(const std::string& path, const std::string& text) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  answerHelp(argc, argv, kUsage);
   const Arguments arguments = parseArguments(argc, argv);
   const std::unique_ptr<Device> device = makeDevice();
   const FullScreen screen({kPixels, kPixels});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <future>
 #include <nlohmann/json.hpp>
 
@@ -20,6 +21,40 @@ TEST(Cli, NoVerb_IsUsage) {
 TEST(Cli, UnknownVerb_IsUsage) {
   EXPECT_EQ(loden({"frobnicate"}).exit_code, 1);
 }
+
+TEST(Cli, ValidateList_NamesEveryIssueInTextAndJson) {
+  const ToolRun text = loden({"validate", "--list"}),
+                json = loden({"validate", "--list", "--format", "json"});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("2005 chunk-checksum"), std::string::npos) << text.out;
+  const auto list = nlohmann::json::parse(json.out, nullptr, false);
+  ASSERT_TRUE(list.is_object()) << json.out;
+  EXPECT_EQ(list["schema"], "loden/validate-list/1");
+  EXPECT_EQ(list["issues"].size(), size_t(std::count(text.out.begin(), text.out.end(), '\n')));
+  EXPECT_EQ(loden({"validate"}).exit_code, 1);
+}
+
+TEST(Cli, VerbThatIsNearlyOne_IsSuggested) {
+  for (const auto& [typed, meant] : {std::pair{"bak", "bake"},
+                                     {"cokk", "cook"},
+                                     {"inof", "info"},
+                                     {"vaildate", "validate"},
+                                     {"Pack", "pack"}}) {
+    const ToolRun run = loden({typed});
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_NE(run.err.find(std::string("did you mean '") + meant + "'"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(loden({"frobnicate"}).err.find("did you mean"), std::string::npos);
+}
+
+#ifdef LODEN_WALK
+TEST(Cli, EveryToolTellsTheSameVersion) {
+  const ToolRun tool = loden({"--version"}), walk = runTool(LODEN_WALK, {"--version"});
+  EXPECT_EQ(tool.exit_code, 0);
+  EXPECT_EQ(walk.exit_code, 0);
+  EXPECT_EQ(walk.out, "loden_walk" + tool.out.substr(std::string("loden").size()));
+}
+#endif
 
 TEST(Cli, Help_NamesEveryVerb) {
   const ToolRun run = loden({"--help"});

@@ -9,6 +9,7 @@ readonly -A assets=([surface]=$4 [lod]=$5 [fused]=$6)
 readonly size=320x160 light=45,60
 here=$(dirname "${BASH_SOURCE[0]}")
 mkdir -p "$out"
+if [[ ! -x $bin/picture_grid ]]; then cmake --build "$(dirname "$bin")" --target picture_grid >&2; fi
 
 pictures=()
 for camera in near far magnified; do

@@ -11,12 +11,14 @@
 #include <limits>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "material/asset/asset.h"
 #include "material/asset/asset_check.h"
 #include "material/asset/asset_chunks.h"
 #include "material/asset/asset_header.h"
+#include "material/base/issue_table.h"
 #include "material/base/issues.h"
 #include "material/system/asset_io.h"
 #include "tests/unit/material_fixtures.h"
@@ -519,6 +521,38 @@ TEST(FuzzSeeds, AreAssetsOfThisFormat) {
 }
 
 // --- the document ---
+
+// The constants, the table and the document name the same issues.
+TEST(AssetIssues, TableAndTextNameEveryNumber) {
+  const auto textOf = [](const char* file) {
+    std::ifstream stream(std::string(LODEN_TESTS_DIR) + "/../material/" + file);
+    EXPECT_TRUE(stream.good()) << file;
+    return std::string{std::istreambuf_iterator<char>(stream), {}};
+  };
+  std::vector<int> constants, tabled;
+  const std::string header = textOf("base/issues.h");
+  const std::regex constant(R"(constexpr int k[A-Za-z]+ = ([0-9]+);)");
+  for (std::sregex_iterator match(header.begin(), header.end(), constant), end; match != end; ++match)
+    constants.push_back(std::stoi((*match)[1]));
+  std::set<std::string_view> names;
+  for (const IssueKind& kind : kIssueKinds) {
+    tabled.push_back(kind.id);
+    EXPECT_TRUE(names.insert(kind.name).second) << kind.name;
+    EXPECT_EQ(issueKind(kind.id), &kind);
+  }
+  EXPECT_EQ(constants, tabled);
+  EXPECT_EQ(issueKind(9999), nullptr);
+
+  std::map<int, std::string> documented, expected;
+  const std::string format = textOf("FORMAT.md");
+  const std::regex cells(R"(\n\| ([0-9]{4}) \| ([a-z-]+) \| ([^|\n]+) \|)");
+  for (std::sregex_iterator match(format.begin(), format.end(), cells), end; match != end; ++match)
+    documented[std::stoi((*match)[1])] = (*match)[2].str() + ": " + (*match)[3].str();
+  for (const IssueKind& kind : kIssueKinds)
+    if (kind.id >= 2000 && kind.id < 5000)
+      expected[kind.id] = std::string(kind.name) + ": " + std::string(kind.summary);
+  EXPECT_EQ(documented, expected);
+}
 
 TEST(AssetIssues, FormatTextAndCodeHaveTheSameLimits) {
   std::ifstream stream(std::string(LODEN_TESTS_DIR) + "/../material/FORMAT.md");

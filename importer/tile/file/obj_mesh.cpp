@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "importer/base/file_read.h"
-#include "importer/gltf/gltf_document.h"
 #include "importer/tile/mesh_material.h"
 #include "importer/tile/polygon_mesh.h"
 #include "material/base/issues.h"

@@ -253,10 +253,9 @@ Result<Tile> loadTile(const std::string& name_or_path, const TileOptions& option
   constexpr std::string_view kBuiltin = "builtin:";
   if (!name_or_path.starts_with(kBuiltin)) return tileFromFile(name_or_path, options);
   if (options.subdivide > 0)
-    return refuse(issue_id::kOption, "--subdivide",
-                  "is for cages from files; builtin tiles are fine already");
+    return refuse(issue_id::kOption, "subdivide", "is for cages from files; builtin tiles are fine already");
   if (options.mesh_period.x > 0 || options.ground)
-    return refuse(issue_id::kOption, options.ground ? "--ground" : "--mesh-period",
+    return refuse(issue_id::kOption, options.ground ? "ground" : "mesh_period",
                   "is for meshes from files; builtin tiles have what they need");
   return builtinTile(name_or_path.substr(kBuiltin.size()));
 }

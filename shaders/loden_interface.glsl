@@ -53,7 +53,7 @@ LODEN_BINDING(LODEN_UNIT_PAPER_PACKED) uniform sampler2DArray loden_paper_packed
 #ifdef LODEN_NEAR
 LODEN_BINDING(LODEN_UNIT_NORMAL(LODEN_BANDS_OR_NONE))
 uniform sampler2DArray loden_normal;  // repeat, trilinear, as all three
-LODEN_BINDING(LODEN_UNIT_COLOR(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_color;  // sRGB
+LODEN_BINDING(LODEN_UNIT_COLOR(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_color;
 LODEN_BINDING(LODEN_UNIT_AMBIENT(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_ambient;
 #endif
 

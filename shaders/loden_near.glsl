@@ -58,6 +58,7 @@ LodenNear loden_near_point(vec2 p, float lambda) {
   float lod = lambda - loden_material.surface_lambda;
   vec4 normal = textureLod(loden_normal, vec3(p, 0.0), lod);
   vec4 color = textureLod(loden_color, vec3(p, 0.0), lod);
+  color.rgb *= color.rgb;
   LodenNear near;
   near.mapped = normal.xyz;
   near.normal = near.mapped / max(sqrt(dot(near.mapped, near.mapped)), 1e-4);

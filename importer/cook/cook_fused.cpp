@@ -148,9 +148,9 @@ std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const Ycc
   }
 }
 
-// The coarse band: apparent reflectance over the reference plane, from lambda 1 to the full average.
-Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan) {
-  const YccBtf half = downsample(in.btf, BoxFilter::k2x2, in.threads);
+// The coarse band: apparent reflectance over the reference plane, from lambda 1 to the full average; `half`
+// the BTF of half the side.
+Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan, const YccBtf& half) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
   const CoarseFitOptions fit{plan.coarse_y, averageGrid(in.means, in.mean, lights, views, plan.coarse_phis),
                              in.threads};
@@ -180,6 +180,9 @@ int flatSide(const FusedPlan& plan, int side) {
 
 namespace {
 
+// Luma that the mean and the coarse band of a near term are fitted to at most, white = 1. Peaks of metal
+// stand for a few light and view pairs; they would decide a least squares fit alone, and drown all else.
+constexpr double kBrightest = 2;
 constexpr int kErrorSamples = 20000;  // random texels, lights and views
 constexpr int kErrorPoints = 2;       // evaluations per side of a texel
 // The default lookup towards the light takes up to twice the fetches of the fast one: it has to leave no more
@@ -187,13 +190,14 @@ constexpr int kErrorPoints = 2;       // evaluations per side of a texel
 constexpr double kDefaultGain = 0.95;
 
 // A near term and the coarse band that takes over from it.
-void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const BakedSurface& surface) {
+void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const BakedSurface& surface,
+             const YccBtf& half) {
   Material& m = fit.material;
   NearOptions near{surface.side / plan.surface_side, hasCoarseBand(plan, m.side),
                    plan.visibility.value_or(Visibility::kFast)};
   m.surface = nearMaps(surface, m.geometry, m.side, near, in.threads);
   if (near.with_bands) {
-    m.bands.push_back(fitCoarseBand(in, plan));
+    m.bands.push_back(fitCoarseBand(in, plan, half));
     m.bands.back().window = {};
     fit.fades = chooseFade(m, in.btf, in.source.lights(), in.source.views(), in.threads);
   }
@@ -231,7 +235,8 @@ void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int la
       [&](glm::dvec2 x, const glm::dvec3& wo) { return vdimLookup(maps, Lookup::kDefault, x, wo).p; },
       in.threads);
   m.bands.push_back(fitFlatBand(in, a, plan));
-  if (hasCoarseBand(plan, m.side)) m.bands.push_back(fitCoarseBand(in, plan));
+  if (hasCoarseBand(plan, m.side))
+    m.bands.push_back(fitCoarseBand(in, plan, downsample(in.btf, BoxFilter::k2x2, in.threads)));
   fit.error = measureError(m, in.btf, in.source.lights(), in.source.views(), a, in.threads, lab_every);
 }
 
@@ -254,12 +259,15 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   m.atlas = atlas.size;
   fit.atlases = std::move(atlas.trials);
   m.theta_max = gridFor(source.lights()).theta_max;
-  Matrix means = imageMeans(btf, threads);
+  const bool near = plan.surface_side > 0 && surface;
+  std::optional<YccBtf> half;
+  if (near && btf.side() > 1) half = limited(downsample(btf, BoxFilter::k2x2, threads), kBrightest, threads);
+  Matrix means = imageMeans(half ? *half : btf, threads);
   m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
   const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()),
                       threads};
-  if (plan.surface_side > 0 && surface)
-    fitNear(fit, in, plan, *surface);
+  if (near)
+    fitNear(fit, in, plan, *surface, half ? *half : btf);
   else
     fitBands(fit, in, plan, lab_every);
   m.lambda_max = coarsestLevelOf(m);

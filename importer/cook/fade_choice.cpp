@@ -19,8 +19,9 @@ constexpr int kSamples = 8000;  // a level
 constexpr float kBegins[] = {0.25f, 0.5f, 0.75f, 1.0f};
 constexpr float kEnds[] = {1.5f, 1.75f, 2.0f, 2.25f, 2.5f, 2.75f, 3.0f};
 
+// As displays show it: what is brighter than white counts as white, so that single peaks do not decide.
 double luma(const glm::dvec3& rgb) {
-  return yccFromRgb(rgb).x;
+  return std::min(yccFromRgb(rgb).x, 1.0);
 }
 
 FadeTrial measured(const Evaluator& near, const Evaluator& bands, const YccBtf& btf, int level,
@@ -41,12 +42,13 @@ FadeTrial measured(const Evaluator& near, const Evaluator& bands, const YccBtf& 
       const int l = std::min(int(uniform(seed, 1) * btf.lights()), btf.lights() - 1);
       const glm::dvec3& wi = lights.samples[size_t(l)];
       const glm::dvec2 texel(t % btf.side(), t / btf.side());
+      const double given = std::min(truth(t, l), 1.0);
       const auto valueOf = [&](const Evaluator& evaluator, double inside) {
         const auto hit = evaluator.findHit((texel + inside) / double(btf.side()), double(level), wo);
         return luma(evaluator.evaluate(hit, wi, wo));
       };
-      const double a = (valueOf(near, 0.25) + valueOf(near, 0.75)) / 2 - truth(t, l);
-      const double b = valueOf(bands, 0.5) - truth(t, l);
+      const double a = (valueOf(near, 0.25) + valueOf(near, 0.75)) / 2 - given;
+      const double b = valueOf(bands, 0.5) - given;
       Sums& sums = of_view[v];
       sums.near += a * a, sums.band += b * b, sums.product += a * b, ++sums.count;
     }

@@ -92,6 +92,10 @@ glm::vec4 baseOf(const Texel& texel) {
   return {base, 1 - u};
 }
 
+glm::vec4 rooted(const glm::vec4& color) {
+  return {glm::sqrt(glm::max(glm::vec3(color), glm::vec3(0))), color.w};
+}
+
 int mipsOf(int surface_side, int side, bool with_bands) {
   const int all = fullMipCount(surface_side, surface_side);
   if (!with_bands) return all;
@@ -230,7 +234,7 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
   maps.normal =
       Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, surface_side, surface_side, 1, mips);
   maps.color =
-      Texture::make(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, surface_side, surface_side, 1, mips);
+      Texture::make(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, surface_side, surface_side, 1, mips);
   const int ambient_side = std::min(side, surface_side);
   const std::vector<uint16_t> ambient_owners = chartOwners(ambient_side, geometry);
   for (int mip = 0; mip < mips; ++mip) {
@@ -241,7 +245,7 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
       storeTexel(maps.normal, mip, t % surface_side, t / surface_side, 0,
                  glm::vec4(texel.normal, lobe.width));
       storeTexel(maps.color, mip, t % surface_side, t / surface_side, 0,
-                 maps.lobe == Lobe::kGgx ? baseOf(texel) : glm::vec4(texel.diffuse, strength));
+                 rooted(maps.lobe == Lobe::kGgx ? baseOf(texel) : glm::vec4(texel.diffuse, strength)));
     }
     if (mip + 1 < mips) halve();
   }

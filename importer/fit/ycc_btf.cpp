@@ -124,6 +124,23 @@ Result<YccBtf> loadYcc(const BtfSource& source, int threads) {
   return btf;
 }
 
+YccBtf limited(YccBtf btf, double most, int threads) {
+  parallelFor(size_t(btf.views()), threads, [&](size_t v) {
+    Matrix planes[3];
+    for (int c = 0; c < 3; ++c) btf.read(c, int(v), planes[c]);
+    bool changed = false;
+    for (size_t i = 0; i < planes[0].data.size(); ++i) {
+      if (!(planes[0].data[i] > most)) continue;
+      const double scale = most / planes[0].data[i];
+      for (Matrix& plane : planes) plane.data[i] *= scale;
+      changed = true;
+    }
+    for (int c = 0; c < 3 && changed; ++c)
+      btf.store(c, int(v), std::vector<float>(planes[c].data.begin(), planes[c].data.end()));
+  });
+  return btf;
+}
+
 Matrix imageMeans(const YccBtf& btf, int threads) {
   Matrix means(btf.views() * btf.lights(), 3);
   parallelFor(btf.views(), threads, [&](int v) {

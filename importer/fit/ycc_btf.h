@@ -45,6 +45,9 @@ class YccBtf {
 // first place.
 Result<YccBtf> loadYcc(const BtfSource& source, int threads);
 
+// The same images with values of a luma above `most` scaled down to it, colour kept.
+YccBtf limited(YccBtf btf, double most, int threads);
+
 // Mean over the texels of each image: (views * lights) x 3, row = view * lights + light.
 Matrix imageMeans(const YccBtf& btf, int threads);
 

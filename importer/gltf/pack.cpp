@@ -49,7 +49,7 @@ Json fittedFallback(const Material& material) {
     // The average; metals, too, are matt in it, as the tile's own shape is not in the fallback.
     const Texture& map = material.surface->color;
     const glm::vec4 code = fetchTexel(map, map.mips - 1, 0, 0, 0);
-    if (map.mipWidth(map.mips - 1) == 1) color = glm::dvec3(code);
+    if (map.mipWidth(map.mips - 1) == 1) color = glm::dvec3(code) * glm::dvec3(code);
   }
   color = glm::clamp(color, 0.0, 1.0);
   // GGX alpha^2 = 2 / (n + 2) (Walter et al. 2007), alpha = roughness^2 (glTF); no highlight is fully rough.

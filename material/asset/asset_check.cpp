@@ -308,7 +308,7 @@ class MaterialCheck {
     require(std::isfinite(maps.fade_begin) && std::isfinite(maps.fade_end) && maps.fade_begin < maps.fade_end,
             "the fade from ", maps.fade_begin, " to ", maps.fade_end, " does not ascend");
     checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, 1, maps.tail_mip, "HEAD, normal map");
-    checkSurfaceMap(maps.color, TexelFormat::kRGBA8Srgb, 1, maps.tail_mip, "HEAD, color map");
+    checkSurfaceMap(maps.color, TexelFormat::kRGBA8Unorm, 1, maps.tail_mip, "HEAD, color map");
     checkSurfaceMap(maps.ambient, TexelFormat::kRGBA8Snorm, 2, 0, "HEAD, ambient map");
   }
 

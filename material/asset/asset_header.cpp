@@ -281,7 +281,7 @@ class HeaderReader {
       *value = in_.f32();
     maps.tail_mip = integer();
     maps.normal = readMap(TexelFormat::kRGBA8Snorm, 1);
-    maps.color = readMap(TexelFormat::kRGBA8Srgb, 1);
+    maps.color = readMap(TexelFormat::kRGBA8Unorm, 1);
     maps.ambient = readMap(TexelFormat::kRGBA8Snorm, 2);
     return maps;
   }

@@ -224,6 +224,7 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   hit.surface = surface;
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
+  hit.fetches = nearWeight(*material_, hit.lambda) > 0 ? 2 : 0;
   const VdimMaps maps = vdimMaps();
   if (!maps.serve(lookup)) return hit;
   const bool fades = parallax == Parallax::kFaded && lookup != Lookup::kPaper;
@@ -238,7 +239,7 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   const T shown = fade * share;
   hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
   hit.missed = found.missed && shown >= T(0.5);
-  hit.fetches = found.fetches;
+  hit.fetches += found.fetches;
   return hit;
 }
 

@@ -20,7 +20,7 @@ struct Hit {
   glm::vec<2, T> p{0};     // parameter domain; equal to x without meso-geometry
   T lambda = 0;            // level of detail
   T depth = 0;             // height of the hit over the tangent plane at x, tile lengths, <= 0
-  int fetches = 0;         // of the lookup
+  int fetches = 0;         // of the lookup, and of near maps
   bool missed = false;     // the ray goes by a convex surface without meeting the tile
   glm::vec<2, T> tilt{0};  // of the surface's normal at the hit against that at x, on a curved surface
   // For the lookup towards the light:

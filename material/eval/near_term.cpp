@@ -83,7 +83,8 @@ template <class T>
 NearPoint<T> nearPoint(const SurfaceMaps& maps, V2<T> p, T lambda) {
   const T lod = lambda - T(maps.lambda_first);
   const glm::vec<4, T> normal = sampleRepeatLod(maps.normal, lod, 0, p);
-  const glm::vec<4, T> color = sampleRepeatLod(maps.color, lod, 0, p);
+  glm::vec<4, T> color = sampleRepeatLod(maps.color, lod, 0, p);
+  color = {color.x * color.x, color.y * color.y, color.z * color.z, color.w};
   NearPoint<T> point;
   point.mapped = V3<T>(normal);
   point.normal = point.mapped / std::max(std::sqrt(glm::dot(point.mapped, point.mapped)), T(1e-4));

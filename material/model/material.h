@@ -51,8 +51,9 @@ struct SurfaceMaps {
   // RGBA8 snorm: xyz the mean normal in the reference frame, z < 0 on the underside of overhangs; a the
   // lobe's width: Phong log2(exponent) / 12, GGX roughness (the square root of alpha).
   Texture normal;
-  // RGBA8 sRGB (a linear): Phong rgb the diffuse albedo, a strength / specular_scale; GGX rgb the base
-  // colour, a metalness.
+  // RGBA8 unorm: Phong rgb the square root of the diffuse albedo, a strength / specular_scale; GGX rgb the
+  // square root of the base colour, a metalness. Roots keep the steps of darks, and every renderer reads them
+  // alike (drivers decode sRGB each in its own way, up to .0013 of white apart).
   Texture color;
   // RGBA8 snorm, two layers: what of light from all around meets the surface, T_k = 1 / pi * integral over
   // the hemisphere of V max(N.w, 0) h_k(w) dw for the basis h_k of material/model/environment.h; k = 0..3 in

@@ -14,7 +14,7 @@
 namespace loden {
 namespace {
 
-enum class Encoding { kUnorm, kSnorm, kFloat, kSrgb };
+enum class Encoding { kUnorm, kSnorm, kFloat };
 
 struct FormatTraits {
   TexelFormat format;
@@ -29,7 +29,6 @@ constexpr FormatTraits kFormats[] = {
     {TexelFormat::kRG8Unorm, "R8G8_UNORM", 2, 1, Encoding::kUnorm},
     {TexelFormat::kRGBA8Unorm, "R8G8B8A8_UNORM", 4, 1, Encoding::kUnorm},
     {TexelFormat::kRGBA8Snorm, "R8G8B8A8_SNORM", 4, 1, Encoding::kSnorm},
-    {TexelFormat::kRGBA8Srgb, "R8G8B8A8_SRGB", 4, 1, Encoding::kSrgb},
     {TexelFormat::kRG16Snorm, "R16G16_SNORM", 2, 2, Encoding::kSnorm},
     {TexelFormat::kRGBA16Unorm, "R16G16B16A16_UNORM", 4, 2, Encoding::kUnorm},
     {TexelFormat::kRGBA16Snorm, "R16G16B16A16_SNORM", 4, 2, Encoding::kSnorm},
@@ -53,20 +52,12 @@ const FormatTraits& traitsOf(TexelFormat format) {
 
 // Bytes decode by table: exact, and no division in the inner loop.
 struct ByteTables {
-  std::array<float, 256> unorm, snorm, srgb;
+  std::array<float, 256> unorm, snorm;
 };
-// IEC 61966-2-1.
-double linearFromSrgb(double code) {
-  return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
-}
-double srgbFromLinear(double value) {
-  return value <= 0.0031308 ? value * 12.92 : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
-}
 const ByteTables kByteTables = [] {
   ByteTables tables{};
   for (int i = 0; i < 256; ++i) {
     tables.unorm[i] = static_cast<float>(i) / 255.0f;
-    tables.srgb[i] = static_cast<float>(linearFromSrgb(i / 255.0));
     tables.snorm[i] = std::max(static_cast<float>(static_cast<int8_t>(i)) / 127.0f, -1.0f);
   }
   return tables;
@@ -117,16 +108,6 @@ struct Decoder {
   }
 };
 
-// Three channels of sRGB and linear alpha.
-struct SrgbDecoder {
-  static constexpr int kBytes = 4;
-  glm::vec4 operator()(const std::byte* from) const {
-    const auto at = [&](int c) { return static_cast<size_t>(from[c]); };
-    return {kByteTables.srgb[at(0)], kByteTables.srgb[at(1)], kByteTables.srgb[at(2)],
-            kByteTables.unorm[at(3)]};
-  }
-};
-
 // Calls `use` with the format's decoder, so that the format is looked at once per sample and not per texel.
 template <class Use>
 inline auto withDecoder(TexelFormat format, const Use& use) {
@@ -139,8 +120,6 @@ inline auto withDecoder(TexelFormat format, const Use& use) {
       return use(Decoder<Unorm8, 4>());
     case TexelFormat::kRGBA8Snorm:
       return use(Decoder<Snorm8, 4>());
-    case TexelFormat::kRGBA8Srgb:
-      return use(SrgbDecoder());
     case TexelFormat::kRG16Snorm:
       return use(Decoder<Snorm16, 2>());
     case TexelFormat::kRGBA16Unorm:
@@ -165,11 +144,6 @@ void save(std::byte* to, Raw raw) {
 int normCode(double value, double low, int codes) {
   if (std::isnan(value)) return 0;
   return static_cast<int>(std::lround(std::clamp(value, low, 1.0) * codes));
-}
-
-void storeSrgb(std::byte* to, int channel, double value) {
-  const double code = channel < 3 ? srgbFromLinear(std::clamp(value, 0.0, 1.0)) : value;
-  save(to, static_cast<uint8_t>(normCode(std::isnan(value) ? 0 : code, 0, 255)));
 }
 
 void storeNorm(const FormatTraits& traits, std::byte* to, double value) {
@@ -294,8 +268,6 @@ void storeTexel(Texture& texture, int mip, int x, int y, int z, const glm::vec4&
   for (int c = 0; c < traits.channels; ++c, to += traits.channel_bytes) {
     if (traits.encoding == Encoding::kFloat) {
       storeFloat(traits, to, value[c]);
-    } else if (traits.encoding == Encoding::kSrgb) {
-      storeSrgb(to, c, value[c]);
     } else {
       storeNorm(traits, to, value[c]);
     }

@@ -16,7 +16,6 @@ enum class TexelFormat : uint32_t {
   kRG8Unorm = 16,
   kRGBA8Unorm = 37,
   kRGBA8Snorm = 38,
-  kRGBA8Srgb = 43,  // alpha is linear
   kRG16Snorm = 78,
   kRGBA16Unorm = 91,
   kRGBA16Snorm = 92,

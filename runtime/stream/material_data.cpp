@@ -110,8 +110,8 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
   }
   const bool has_geometry = material.geometry.side() > 0;
   if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
-  if (material.stored_vdim && !variant.nearest_tables && !variant.light_factor &&
-      (lookup == Lookup::kPaper || !has_geometry))
+  if (variant.nearest_tables) return limitIssue(material, "nearest tables with a flat band");
+  if (material.stored_vdim && !variant.light_factor && (lookup == Lookup::kPaper || !has_geometry))
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
     variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;

@@ -43,8 +43,9 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   const bool paper = variant.lookup == Lookup::kPaper;
   if (variant.near)
     return !variant.nearest_tables && !variant.light_factor && variant.bands <= (paper ? 0 : kMostNearBands);
-  // The published VDIM, the nearest-direction images and a light factor share texture units.
-  if (variant.nearest_tables && paper) return false;
+  // Nearest tables are those of published level-of-detail materials, in which nothing is read at p; and the
+  // published VDIM, the nearest-direction images and a light factor share texture units.
+  if (variant.nearest_tables && variant.lookup != Lookup::kNone) return false;
   return !variant.light_factor || !(variant.nearest_tables || paper || variant.bands > kMostLightFactorBands);
 }
 

@@ -112,7 +112,7 @@ Material surfaceMaterial(uint32_t seed) {
   SurfaceMaps maps;
   maps.normal = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed);
   maps.color =
-      noise(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
+      noise(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, mips, seed + 1);
   maps.ambient =
       noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 2, mips, seed + 2);
   material.surface = std::move(maps);

@@ -33,6 +33,8 @@ constexpr double kMaxDifference = 1e-3, kMeanDifference = 1e-4;
 // only if the evaluator has no such value within this distance of x (tile periods), in fp32's reach.
 constexpr float kRounding = 4e-6f;
 constexpr int kMaxAtJumps = 4;  // of 12,544; measured 2
+// The light's lookup jumps as well, wherever the edge of a shadow runs.
+constexpr int kMaxAtShadows = 80;  // of 12,544; measured up to 49
 // A search whose residual is at its threshold goes on for a fetch more or less.
 constexpr int kMaxOtherFetches = 12;  // of 12,544; measured 0 to 6
 // Rays that go by the surface show nothing of it: what is compared is that both sides say so.
@@ -238,7 +240,8 @@ void expectParity(const Material& material, const Way& way) {
     EXPECT_LE(differenceNearby(evaluator, s, way, gpu[k]), kMaxDifference)
         << "sample " << k << " differs by " << off << " and no jump is near";
   }
-  EXPECT_LE(at_jumps, kMaxAtJumps);
+  const bool shadows = material.surface && material.surface->visibility != Visibility::kNone;
+  EXPECT_LE(at_jumps, shadows && !way.environment ? kMaxAtShadows : kMaxAtJumps);
   EXPECT_LE(sum / kSamples, kMeanDifference);
   EXPECT_LE(other_fetches, kMaxOtherFetches);
 }

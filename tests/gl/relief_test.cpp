@@ -26,6 +26,7 @@ Material ridges() {
   constexpr int kSide = 64;
   Material material = surfaceMaterial();
   material.stored_vdim.reset();
+  material.aspect = 1;
   material.side = kSide;
   material.value_scale = float(1 / kPi);
   std::vector<glm::dvec3> positions;

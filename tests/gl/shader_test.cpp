@@ -61,11 +61,14 @@ TEST(ShaderVariants, AreAllDifferentAndAllowed) {
   }
 }
 
+// Every variant of scene_forward; of the other rows, which differ from it in what surrounds the material,
+// those of one, two and the most bands.
 TEST_F(ShaderLibraryTest, CompilesEveryVariant) {
   ShaderLibrary library(*device, {});
   int expected = 0;
   for (const ProgramRow& row : kProgramRows)
     for (const MaterialVariant& variant : rowVariants(row)) {
+      if (row.name != "scene_forward" && variant.bands > 2 && variant.bands < LODEN_MAX_BANDS) continue;
       const Result<uint32_t> program = library.program(row.name, variant);
       ASSERT_TRUE(program.ok()) << program.issue().where << ": " << program.issue().text;
       EXPECT_TRUE(glIsProgram(*program));

@@ -182,7 +182,7 @@ Material surfaceMaterial() {
   material.stored_vdim = vdim;
   SurfaceMaps maps;
   maps.normal = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 62);
-  maps.color = noiseTexture(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, kSide, kSide, 1, 4, 63);
+  maps.color = noiseTexture(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, kSide, kSide, 1, 4, 63);
   maps.ambient = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 2, 4, 64);
   maps.specular_scale = 2;
   material.surface = maps;
@@ -226,7 +226,7 @@ Material nearMaterial() {
   maps.fade_begin = 0.5f, maps.fade_end = 2.5f;
   maps.normal =
       noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 65);
-  maps.color = noiseTexture(TexelFormat::kRGBA8Srgb, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 66);
+  maps.color = noiseTexture(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 66);
   material.surface = maps;
   return material;
 }

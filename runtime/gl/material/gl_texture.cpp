@@ -25,8 +25,6 @@ GlFormat glFormat(const PartTexture& part) {
       return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
     case TexelFormat::kRGBA8Snorm:
       return {GL_RGBA8_SNORM, GL_RGBA, GL_BYTE};
-    case TexelFormat::kRGBA8Srgb:
-      return {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
     case TexelFormat::kRG16Snorm:
       return {GL_RG16_SNORM, GL_RG, GL_SHORT};
     case TexelFormat::kRGBA16Unorm:

@@ -126,7 +126,7 @@ void MaterialGpu::createSurfaceStandIns() {
     stand_ins_.push_back(std::move(stand_in));
   };
   add(LODEN_UNIT_NORMAL(0), TexelFormat::kRGBA8Snorm, {{0, 0, 1, width}});
-  add(LODEN_UNIT_COLOR(0), TexelFormat::kRGBA8Srgb, {{meanAlbedo(mean), strength}});
+  add(LODEN_UNIT_COLOR(0), TexelFormat::kRGBA8Unorm, {{glm::sqrt(meanAlbedo(mean)), strength}});
   // Of a plane with nothing around it: the integrals of the basis times the cosine, over pi.
   add(LODEN_UNIT_AMBIENT(0), TexelFormat::kRGBA8Snorm, {{1, 2.0f / 3, 0, 0}, {0, 0, 0, 0}});
   stand_ins_shown_ = true;

@@ -11,7 +11,7 @@ import sys
 from xxh3 import xxh3_64
 
 MAGIC = bytes.fromhex("AB4C4F44454E31BB0D0A1A0A")
-TEXEL_BYTES = {38: 4, 43: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4}
+TEXEL_BYTES = {38: 4, 37: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4}
 
 
 def require(holds, text):
@@ -97,7 +97,7 @@ def read_surface(head):
     print(head.bits(5), end=" ")
     tail = head.u32()
     print(tail)
-    maps = [(kind, *head.u32(2), layers, head.u32()) for kind, layers in ((38, 1), (43, 1), (38, 2))]
+    maps = [(kind, *head.u32(2), layers, head.u32()) for kind, layers in ((38, 1), (37, 1), (38, 2))]
     if tail == 0:
         return [("SURF", [texture(*extents) for extents in maps])]
     ambient_tail = min(max(math.floor(first + tail - ambient_first + 0.5), 0), maps[2][4] - 1)

@@ -88,7 +88,7 @@ TEST(VdimOnRectangles, HitsLieOnTheRayOfLengthsAndOnTheSurface) {
     const VdimAtlas atlas = buildVdimAtlas(image, {});
     const GeometryTracer tracer(image, Interpolation::kCubic);
     const VdimMaps maps{.paper = nullptr, .atlas = &atlas, .tracer = &tracer};
-    const glm::dvec2 length(1 / std::sqrt(aspect), std::sqrt(aspect));  // of a period
+    const glm::dvec2 length = 1.0 / periodsPerLength(aspect);  // of a period
     for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault, Lookup::kQuality}) {
       int off = 0;
       for (const View& view : randomViews(300, 70)) {

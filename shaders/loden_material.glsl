@@ -74,6 +74,10 @@ float loden_parallax_fade(float lambda, vec3 wo) {
   // Only where P.xy == p is p = x without parallax.
   if ((loden_material.bits & LODEN_IDENTITY) == 0) return 1.0;
   float slope = length(loden_material.periods_per_length * wo.xy) / max(wo.z, LODEN_VDIM_COS);
+#ifdef LODEN_VISIBILITY
+  // Shadows show from above, too; the light is taken to come at 45 degrees at least.
+  slope = max(slope, 1.0);
+#endif
   float texels = loden_material.geometry_range.z * slope * loden_material.side * exp2(-lambda);
   return clamp(4.0 * texels - 1.0, 0.0, 1.0);
 }
@@ -123,7 +127,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
     hit.tilt = m.curvature * (inverse(m.x_from_tangent) * found.offset) * (fade * share);
     hit.missed = found.missed && fade * share >= 0.5;
     hit.position = vec3(x + found.offset * fade, found.z * fade);
-    hit.relief = true;
+    hit.relief = !found.missed;
   }
 #endif
 #ifdef LODEN_NEAR

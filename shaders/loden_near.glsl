@@ -10,7 +10,7 @@ const float LODEN_LEAST_ALPHA = 0.002;  // of GGX
 const float LODEN_LEAST_VIEW = 0.02;    // N.V that lobes are evaluated for
 const float LODEN_MEAN_COSINE = 2.0 / 3.0;
 const float LODEN_BIAS = 4e-3, LODEN_BENT_BIAS = 6e-3;  // tile lengths
-const float LODEN_SAME_SURFACE = 1.5 / 64.0;            // tile periods
+const float LODEN_SAME_SURFACE = 3.0;                   // texels of the geometry image
 
 // w(lambda).
 float loden_near_weight(float lambda) {
@@ -116,10 +116,10 @@ bool loden_light_reaches(LodenHit hit, vec3 wi) {
   float out_bend = dot(out_, hit.curvature * out_);
   float height = 2.0 * hit.position.z / (1.0 + sqrt(max(1.0 + 2.0 * out_bend * hit.position.z, 0.0)));
   float bias = hit.curvature != mat2(0.0) ? LODEN_BENT_BIAS : LODEN_BIAS;
+  float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
   vec2 beside = first.p - hit.p;
   beside -= floor(beside + 0.5);
-  return first.missed || first.height <= height + bias ||
-         dot(beside, beside) < LODEN_SAME_SURFACE * LODEN_SAME_SURFACE;
+  return first.missed || first.height <= height + bias || dot(beside, beside) < own * own;
 }
 #endif
 

@@ -59,20 +59,18 @@ int texelsForGutters(const Tile& tile) {
 
 // Of sizes that were asked for; others are chosen large enough.
 Status checkGutters(const BakeOptions& o, int needed) {
-  std::string small, remedy;
-  for (const auto& [option, side] : {std::pair{"flat_size", o.flat_size},
-                                     {"surface_size", o.surface_size},
-                                     {"geometry_size", o.geometry_size}}) {
+  std::string small;
+  for (const auto& [field, side] : {std::pair{"flat_size", o.flat_size},
+                                    {"surface_size", o.surface_size},
+                                    {"geometry_size", o.geometry_size}}) {
     if (side == 0 || side >= needed) continue;
     if (!small.empty()) small += ", ";
-    small += option;
-    remedy += std::string(" ").append(option).append(" ").append(std::to_string(needed));
+    small += field;
   }
   if (small.empty()) return {};
   return Issue{issue_id::kOption, Severity::kError, small,
                "the tile has several charts, and the gutters between them need at least " +
-                   std::to_string(needed) + " texels per side: give" + remedy +
-                   ", or leave it out, and a large enough size is chosen"};
+                   std::to_string(needed) + " texels per side; left out, a large enough size is chosen"};
 }
 
 // `needed` as texelsForGutters.

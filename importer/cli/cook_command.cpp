@@ -226,6 +226,8 @@ class CookCommand : public Command {
       printText("no trade was measured: give --max-bytes or --target-rmse with --mode fused\n");
       return;
     }
+    if (meta["trade"].front().value("surface_side", 0) > 0)
+      return printText(nearTradeText(meta["trade"]) + levelsText(material));
     std::string text =
         "trade, measured with shortened fits (the asset's own error stands above). light: components of the "
         "light factor; phis: columns of the flat map's direction grid;\n"
@@ -242,10 +244,25 @@ class CookCommand : public Command {
     printText(text + levelsText(material));
   }
 
+  static std::string nearTradeText(const nlohmann::ordered_json& trade) {
+    std::string text =
+        "trade, by the mean of four evaluations a texel, without the choice of visibility. near: texels per "
+        "side "
+        "of the near term's maps; geometry: of the geometry image;\ncoarse: components of the coarse band\n";
+    text += formatted("%6s %9s %7s %12s %10s\n", "near", "geometry", "coarse", "bytes", "RMSE of Y");
+    for (const auto& point : trade)
+      text += formatted("%6d %9d %7d %12s %10.6f%s\n", point.value("surface_side", 0),
+                        point.value("geometry_side", 0), point.value("coarse_components", 0),
+                        withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
+                        point.value("pareto", false) ? " *" : "");
+    return text;
+  }
+
   // The goal's error is that of lambda 0, where the coarser levels are not read, so it cannot weigh them:
   // what they cost is said instead.
   static std::string levelsText(const Material& material) {
-    if (material.bands.size() < 2) return "levels: the flat map alone\n";
+    if (material.bands.empty() || material.bands.back().domain == Domain::kFlat)
+      return "levels: what shows up close alone\n";
     const Band& coarse = material.bands.back();
     uint64_t beyond = coarse.weights.data.size();
     beyond -= textureBytes(coarse.weights.format, uint64_t(coarse.weights.width),

@@ -22,6 +22,8 @@ const char* severityName(Severity severity) {
 // "flat_size", a field of a library's options, as it is typed: "--flat-size". What is no name of a field
 // stays.
 std::string optionOfField(const std::string& field) {
+  if (const size_t comma = field.find(", "); comma != std::string::npos)
+    return optionOfField(field.substr(0, comma)) + ", " + optionOfField(field.substr(comma + 2));
   if (field.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos || field.empty())
     return field;
   if (field == "vdims") return "--vdim";

@@ -199,6 +199,7 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
   if (near.with_bands) {
     m.bands.push_back(fitCoarseBand(in, plan, half));
     m.bands.back().window = {};
+    m.lambda_max = coarsestLevelOf(m);
     fit.fades = chooseFade(m, in.btf, in.source.lights(), in.source.views(), in.threads);
   }
   const auto measure = [&](int points) {

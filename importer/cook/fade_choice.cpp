@@ -74,14 +74,18 @@ std::vector<FadeTrial> chooseFade(Material& material, const YccBtf& btf, const D
   const Evaluator near(near_alone, onThreads(threads)), bands(bands_alone);
   std::vector<FadeTrial> trials;
   std::optional<YccBtf> coarse;
-  for (int level = 1; level <= kLevels && (coarse ? coarse->side() : btf.side()) > 1; ++level) {
+  // Beyond the last level the bands have nothing of their own.
+  const int last = std::min(kLevels, static_cast<int>(std::lround(material.lambda_max)));
+  for (int level = 1; level <= last && (coarse ? coarse->side() : btf.side()) > 1; ++level) {
     coarse = downsample(coarse ? *coarse : btf, BoxFilter::k2x2, threads);
     trials.push_back(measured(near, bands, *coarse, level, lights, views, threads));
   }
   double least = std::numeric_limits<double>::infinity();
   SurfaceMaps& maps = *material.surface;
+  maps.fade_begin = kBegins[0], maps.fade_end = kEnds[0];
   for (const float begin : kBegins)
     for (const float end : kEnds) {
+      if (end > material.lambda_max + 1) break;
       double product = 0;  // of the errors, as a sum of logarithms
       for (const FadeTrial& trial : trials) {
         const double w = std::clamp((double(end) - trial.level) / (double(end) - double(begin)), 0.0, 1.0);

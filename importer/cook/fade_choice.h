@@ -7,9 +7,10 @@
 namespace loden::importer {
 
 struct FadeTrial {
-  int level = 0;                      // of detail
-  double near_mse = 0, band_mse = 0;  // of Y: two evaluations of the near term alone, one of the bands alone
-  double product = 0;                 // mean product of their errors
+  int level = 0;  // of detail
+  double near_mse = 0,
+         band_mse = 0;  // of Y, white at most: two evaluations of the near term alone, one of the bands alone
+  double product = 0;   // mean product of their errors
   // Of the blend with the near term's weight w.
   double mse(double w) const {
     return w * w * near_mse + (1 - w) * (1 - w) * band_mse + 2 * w * (1 - w) * product;

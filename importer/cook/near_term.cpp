@@ -8,6 +8,7 @@
 #include "importer/base/parallel.h"
 #include "importer/tile/charts.h"
 #include "importer/tile/mesh_material.h"
+#include "material/asset/asset.h"
 #include "material/model/environment.h"
 
 namespace loden::importer {
@@ -16,7 +17,7 @@ namespace {
 constexpr float kDielectric = 0.04f;  // f0 of glTF's dielectrics
 constexpr int kAmbientRows = 8;       // of lights: 8 x 16 directions
 constexpr int kAmbientPoints = 2;     // per side of an ambient texel
-constexpr double kLift = 2e-3;        // tile periods along the normal: where shadow rays start
+constexpr double kLift = 2e-3;        // tile lengths along the normal: where shadow rays start
 constexpr int kFillSteps = 8;
 
 // What one texel averages.
@@ -153,6 +154,7 @@ std::vector<Transfer> ambientTransfer(const GeometryImage& image, int side, int 
   if (image.empty()) return map;
   const GeometryTracer tracer(image);
   const std::vector<AmbientLight> lights = ambientLights();
+  const glm::dvec3 lift = kLift * glm::dvec3(periodsPerLength(image.aspect), 1);
   std::vector<uint8_t> known(map.size());
   parallelFor(map.size(), threads, [&](size_t t) {
     Transfer sum{};
@@ -166,7 +168,7 @@ std::vector<Transfer> ambientTransfer(const GeometryImage& image, int side, int 
       ++points;
       for (const AmbientLight& light : lights) {
         const double cosine = glm::dot(point.normal, light.direction);
-        if (cosine <= 0 || tracer.occluded(point.position + kLift * point.normal, light.direction)) continue;
+        if (cosine <= 0 || tracer.occluded(point.position + lift * point.normal, light.direction)) continue;
         for (size_t k = 0; k < sum.size(); ++k) sum[k] += cosine * light.basis[k];
       }
     }
@@ -227,6 +229,7 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
     owners = std::move(coarse_owners), surface_side /= 2;
   };
   for (int reduced = 1; reduced < options.reduced && surface_side > 1; reduced *= 2) halve();
+  while (surface_side >= side << AssetLimits::kMaxFinerLevels) halve();
   maps.specular_scale = 0;
   for (const Texel& texel : texels) maps.specular_scale = std::max(maps.specular_scale, texel.strength);
   maps.lambda_first = std::log2(float(side) / float(surface_side)) + kNearFiner;

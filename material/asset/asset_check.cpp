@@ -49,6 +49,8 @@ bool isText(const std::string& text, bool lines) {
   return true;
 }
 
+constexpr double kMostFade = 1e5;  // of lambda, where a near term begins or ends to fade
+
 class MaterialCheck {
  public:
   MaterialCheck(const Material& material, IssueList& issues) : m_(material), issues_(issues) {}
@@ -305,8 +307,10 @@ class MaterialCheck {
     for (const float level : {maps.lambda_first, maps.ambient_first})
       require(within(level, -double{Limits::kMaxFinerLevels}, Limits::kMaxLambda), "a first level ", level,
               " is not in -", Limits::kMaxFinerLevels, "..", Limits::kMaxLambda);
-    require(std::isfinite(maps.fade_begin) && std::isfinite(maps.fade_end) && maps.fade_begin < maps.fade_end,
-            "the fade from ", maps.fade_begin, " to ", maps.fade_end, " does not ascend");
+    require(within(maps.fade_begin, -kMostFade, kMostFade) && within(maps.fade_end, -kMostFade, kMostFade) &&
+                maps.fade_begin < maps.fade_end,
+            "the fade from ", maps.fade_begin, " to ", maps.fade_end, " does not ascend, or is not in -",
+            kMostFade, "..", kMostFade);
     checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, 1, maps.tail_mip, "HEAD, normal map");
     checkSurfaceMap(maps.color, TexelFormat::kRGBA8Unorm, 1, maps.tail_mip, "HEAD, color map");
     checkSurfaceMap(maps.ambient, TexelFormat::kRGBA8Snorm, 2, 0, "HEAD, ambient map");

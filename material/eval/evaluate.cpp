@@ -208,7 +208,9 @@ template <class T>
 T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
   if (!material.geometry.identity_parameterization) return T(1);
   const V2<T> along = V2<T>(periodsPerLength(material.geometry.aspect)) * V2<T>(wo.x, wo.y);
-  const T slope = std::sqrt(glm::dot(along, along)) / std::max(wo.z, T(std::cos(kThetaMax)));
+  T slope = std::sqrt(glm::dot(along, along)) / std::max(wo.z, T(std::cos(kThetaMax)));
+  // Shadows show from above, too; the light is taken to come at 45 degrees at least.
+  if (material.surface && material.surface->visibility != Visibility::kNone) slope = std::max(slope, T(1));
   const T texels =
       T(std::max(material.geometry.range.z, 1e-9f)) * slope * T(material.side) * std::exp2(-lambda);
   return std::clamp(T(4) * texels - T(1), T(0), T(1));
@@ -234,7 +236,8 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   const VdimHit<T> found = vdimLookup(maps, lookup, x, wo, surface);
   hit.p = glm::mix(x, found.p, fade);
   hit.position = V3<T>(x + found.offset * fade, found.position.z * fade);
-  hit.relief = lookup != Lookup::kPaper;
+  hit.relief = lookup != Lookup::kPaper && !found.missed;
+  hit.lookup = lookup;
   hit.depth = found.height * fade * std::min(T(2) * share, T(1));
   const T shown = fade * share;
   hit.tilt = surface.curvature * (glm::inverse(surface.x_from_tangent) * found.offset) * shown;
@@ -282,7 +285,9 @@ glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, 
   const SurfaceMaps& maps = *material_->surface;
   const NearPoint<T> point = nearPoint(maps, hit.p, hit.lambda);
   if (glm::dot(point.mapped, wi) <= 0) return V3<T>(0);
-  const Lookup lookup = maps.visibility == Visibility::kFast ? Lookup::kFast : Lookup::kDefault;
+  // No better for the light than for the eye.
+  const bool fast = maps.visibility == Visibility::kFast || hit.lookup == Lookup::kFast;
+  const Lookup lookup = fast ? Lookup::kFast : Lookup::kDefault;
   if (maps.visibility != Visibility::kNone && hit.relief && !hit.missed &&
       !lightReaches(vdimMaps(), lookup, hit.surface, hit.position, hit.p, wi))
     return V3<T>(0);

@@ -24,9 +24,10 @@ struct Hit {
   bool missed = false;     // the ray goes by a convex surface without meeting the tile
   glm::vec<2, T> tilt{0};  // of the surface's normal at the hit against that at x, on a curved surface
   // For the lookup towards the light:
-  glm::vec<3, T> position{0};  // the hit P, tile periods; z in tile lengths below the reference surface
-  LocalSurface<T> surface;     // around x
-  bool relief = false;         // position is a point of the tile's geometry
+  glm::vec<3, T> position{0};     // the hit P, tile periods; z in tile lengths below the reference surface
+  LocalSurface<T> surface;        // around x
+  bool relief = false;            // position is a point of the tile's geometry
+  Lookup lookup = Lookup::kNone;  // that found it
 };
 
 // Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do

@@ -20,7 +20,8 @@ constexpr float kMeanCosine = 2.0f / 3;  // at which the lobe's albedo is about 
 // P may lie this much, in tile lengths, below what the light meets first: the patches are bilinear, and P's
 // own may be met beside P. On bent rays the residuals are larger.
 constexpr float kBias = 4e-3f, kBentBias = 6e-3f;
-constexpr float kSameSurface = 1.5f / 64;  // what is met this near to p is p's own surface
+constexpr float kSameSurface =
+    3;  // texels of the geometry image: what is met this near to p is p's own surface
 
 // Mirrors the ray of the lookup (vdim_lookup.cpp: viewRay): what lies beyond kThetaMax is looked up at it.
 template <class T>
@@ -179,8 +180,8 @@ bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& su
   V2<T> beside = first.p - p;
   beside -= glm::floor(beside + T(0.5));
   const T bias = bent ? T(kBentBias) : T(kBias);
-  return first.missed || first.height <= height + bias ||
-         glm::dot(beside, beside) < T(kSameSurface * kSameSurface);
+  const T own = T(kSameSurface) / T(maps.atlas ? maps.atlas->geometry.side() : 128);
+  return first.missed || first.height <= height + bias || glm::dot(beside, beside) < own * own;
 }
 
 template float nearWeight(const Material&, float);

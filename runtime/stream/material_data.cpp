@@ -71,6 +71,9 @@ int lightFactors(const Material& material) {
 static_assert(ShaderLimits::kMaxBands == LODEN_MAX_BANDS && ShaderLimits::kMaxQuads == LODEN_MAX_QUADS);
 
 Status checkBands(const Material& material) {
+  if (material.surface &&
+      (lightFactors(material) > 0 || material.bands.front().layout == TableLayout::kNearest))
+    return limitIssue(material, "surface maps among bands with a light factor or nearest tables");
   if (material.surface && material.bands.size() > kMostNearBands)
     return limitIssue(material, "surface maps among more than " + std::to_string(kMostNearBands) + " bands");
   if (material.bands.size() > LODEN_MAX_BANDS)
@@ -111,7 +114,8 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
   const bool has_geometry = material.geometry.side() > 0;
   if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
   if (variant.nearest_tables) return limitIssue(material, "nearest tables with a flat band");
-  if (material.stored_vdim && !variant.light_factor && (lookup == Lookup::kPaper || !has_geometry))
+  if (material.stored_vdim && !variant.light_factor && !(variant.near && variant.bands > 0) &&
+      (lookup == Lookup::kPaper || !has_geometry))
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)
     variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
@@ -184,6 +188,8 @@ void applyResidency(LodenMaterialData& data, const Material& material, const Res
     const SurfaceMaps& maps = *material.surface;
     data.surface_lambda = maps.lambda_first + float(state.tail ? maps.tail_mip : 0);
     data.ambient_lambda = maps.ambient_first + float(state.tail ? ambientTailMip(maps) : 0);
+    // Bands stand in for what is not there.
+    data.near_end = maps.fade_end, data.near_slope = state.surface ? ramp(maps.fade_begin, maps.fade_end) : 0;
   }
   // A band that is needed at every lambda has no window to come in by: its weight follows the published
   // lambda from lambda_max + 1 to lambda_max. A ramp of the slope f / 1e6 over 1e6 levels is the constant f.

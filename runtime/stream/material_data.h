@@ -26,7 +26,8 @@ struct ResidentState {
   uint32_t bands = 0;         // bit per band that is there, if only by its leading part
   uint32_t leads = 0;         // bit per band that is there by its leading part alone
   std::array<float, LODEN_MAX_BANDS> rest{};  // share of the other quads, of bands that are there whole
-  bool tail = false;                          // of surface maps the tail is read
+  bool surface = false;                       // surface maps are there, if only their tail
+  bool tail = false;                          // of them the tail is read
   friend bool operator==(const ResidentState&, const ResidentState&) = default;
 };
 // The last level that bands or surface maps have.

@@ -18,6 +18,11 @@ float bandEnd(const Material& material, const Band& band) {
   return std::min(band.window.out_end, material.lambda_max + coarsestFade(material));
 }
 
+// Where the near term of a material with bands is needed; nobody demands less than lambda 0.
+float nearEnd(const Material& material) {
+  return std::clamp(material.surface->fade_end, 1.0f, std::max(material.lambda_max, 0.0f) + 1);
+}
+
 // Where the lookup is seen at all: everywhere if it changes the parameterization; else where parallax is a
 // quarter of a texel shown or more, at slopes up to 11 (85 degrees); material/model/vdim.h.
 float parallaxEnd(const Material& material) {
@@ -56,7 +61,8 @@ void addSurface(std::vector<PartPlan>& parts, const Material& material) {
 void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
   const SurfaceMaps& maps = *material.surface;
   if (maps.tail_mip == 0) return;
-  PartDesc desc{gpuBytes(maps), maps.lambda_first + float(maps.tail_mip)};
+  // Nobody demands less than lambda 0.
+  PartDesc desc{gpuBytes(maps), std::max(maps.lambda_first + float(maps.tail_mip), 1.0f)};
   desc.takes_over = true;
   const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) {
     return part.desc.lambda_end < desc.lambda_end;
@@ -239,12 +245,12 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
     return parts;
   }
   addBands(parts, material, Domain::kReference);
-  float flat_end = variant.near ? material.surface->fade_end : 0;
+  const float near_end = variant.near ? nearEnd(material) : 0;
+  float flat_end = near_end;
   for (const Band& band : material.bands)
     if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
   addLookupPart(parts, material, variant.lookup, flat_end, full_atlas);
-  if (variant.near)
-    parts.push_back({PartKind::kSurface, 0, {}, {gpuBytes(*material.surface), material.surface->fade_end}});
+  if (variant.near) parts.push_back({PartKind::kSurface, 0, {}, {gpuBytes(*material.surface), near_end}});
   addBands(parts, material, Domain::kFlat);
   addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
   return parts;

@@ -403,7 +403,7 @@ ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
       state.rest[size_t(plan.band)] = plan.desc.refines ? residency.shownShare({index, part}) : 1;
     }
     if (plan.kind == PartKind::kSurfaceTail || plan.kind == PartKind::kSurface)
-      state.tail = plan.kind == PartKind::kSurfaceTail;
+      state.surface = true, state.tail = plan.kind == PartKind::kSurfaceTail;
     if (plan.kind == PartKind::kGeometry || plan.kind == PartKind::kAtlas) state.atlas = plan.atlas;
   }
   return state;

@@ -119,8 +119,12 @@ void MaterialGpu::createSurfaceStandIns() {
   const auto add = [this](int unit, TexelFormat format, std::vector<glm::vec4> layers) {
     Texture texels = Texture::make(format, TextureShape::kArray2D, 1, 1, int(layers.size()));
     for (size_t z = 0; z < layers.size(); ++z) storeTexel(texels, 0, 0, 0, int(z), layers[z]);
-    StandIn stand_in{
-        {unit, Sampling::kRepeatNearest, false, "", std::move(texels)}, layers, std::move(layers), {}};
+    StandIn stand_in;
+    stand_in.texel.unit = unit;
+    stand_in.texel.sampling = Sampling::kRepeatNearest;
+    stand_in.texel.texels = std::move(texels);
+    stand_in.average = layers;
+    stand_in.mean = std::move(layers);
     stand_in.texture = uploadWhole(stand_in.texel, label_ + " stand-in");
     empty_[size_t(unit)] = stand_in.texture.name();
     stand_ins_.push_back(std::move(stand_in));

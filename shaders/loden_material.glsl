@@ -96,6 +96,29 @@ float loden_parameter_share(float lambda) {
   return share;
 }
 
+// A hit that was found in some other way, at p and without a point of the tile's geometry: nothing shadows
+// it.
+LodenHit loden_hit_at_parameter(vec2 x, vec2 p, float lambda) {
+  LodenHit hit;
+  hit.x = x;
+  hit.p = p;
+  hit.lambda = lambda;
+  hit.depth = 0.0;
+  hit.tilt = vec2(0.0);
+  hit.missed = false;
+  hit.position = vec3(x, 0.0);
+  hit.relief = false;
+  hit.curvature = mat2(0.0);
+  hit.x_from_tangent = mat2(1.0);
+#ifdef LODEN_NEAR
+  hit.near_weight = loden_near_weight(lambda);
+  if (hit.near_weight > 0.0) hit.near = loden_near_point(p, lambda);
+#else
+  hit.near_weight = 0.0;
+#endif
+  return hit;
+}
+
 LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   LodenHit hit;
   hit.x = x;

@@ -103,14 +103,7 @@ void main() {
     LODEN_COUNT(LODEN_MAX_UNITS, 1);
     if (textureLod(height_map, x + shift * middle, lambda).r <= middle) below = middle; else above = middle;
   }
-  LodenHit hit;
-  hit.x = x;
-  hit.p = x + shift * below;
-  hit.lambda = lambda;
-  hit.depth = 0.0;
-  hit.tilt = vec2(0.0);
-  hit.missed = false;
-  SHOW(loden_evaluate(m, hit, wi, wo));
+  SHOW(loden_evaluate(m, loden_hit_at_parameter(x, x + shift * below, lambda), wi, wo));
 })";
 
 const char kTableMain[] = R"(

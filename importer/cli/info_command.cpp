@@ -153,6 +153,21 @@ std::string cookedText(const std::string& meta_text) {
       text += formatted("RMSE at the sampled directions: Y %.4f, Cb %.4f, Cr %.4f\n",
                         error->at("y").at("rmse").get<double>(), error->at("cb").at("rmse").get<double>(),
                         error->at("cr").at("rmse").get<double>());
+    if (const auto one = meta.find("error_of_one_evaluation"); one != meta.end())
+      text += formatted("  that is of four evaluations a texel; of one: Y %.4f\n",
+                        one->at("y").at("rmse").get<double>());
+    if (const auto near = meta.find("near"); near != meta.end()) {
+      text += formatted("near term: lobe %s, shadows by lookup %s", near->at("lobe").dump().c_str(),
+                        near->at("visibility").dump().c_str());
+      if (const auto fade = near->find("fade"); fade != near->end())
+        text +=
+            formatted(", fades over lambda %g to %g", fade->at(0).get<double>(), fade->at(1).get<double>());
+      text += "\n";
+      for (const Json& level : near->value("levels", Json::array()))
+        text += formatted("  lambda %d: RMSE of Y %.4f of two evaluations of it, %.4f of the bands\n",
+                          level.at("level").get<int>(), level.at("near_rmse_y").get<double>(),
+                          level.at("band_rmse_y").get<double>());
+    }
     if (const auto lookup = meta.find("lookup"); lookup != meta.end()) {
       for (const char* name : {"fast", "default"})
         text += formatted("lookup %-8s mean error %.3f texels, %.1f %% over one, %.1f fetches\n", name,

@@ -126,7 +126,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.depth = 0.0;
   hit.tilt = vec2(0.0);
   hit.missed = false;
-  hit.lambda = max(lambda, m.lambda_min);
+  hit.lambda = max(m.lambda_min, lambda);  // in this order: lambda_min if lambda is no number
   hit.position = vec3(x, 0.0);
   hit.relief = false;
   hit.curvature = m.curvature;
@@ -184,10 +184,11 @@ vec3 loden_rgb_from_ycc(vec3 ycc) {
 }
 
 // A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus
-// tilt.
+// tilt. A vector that has none, as it is zero or not finite, counts as one from below.
 vec3 loden_tilted(vec2 tilt, vec3 w) {
   vec3 turned = vec3(w.xy - tilt * w.z, w.z + dot(tilt, w.xy));
-  return turned / sqrt(dot(turned, turned));
+  float square = dot(turned, turned);
+  return square > 1e-30 && square < 1e30 ? turned / sqrt(square) : vec3(0.0, 0.0, -1.0);
 }
 
 // The tangent frame at x (columns: tangent, bitangent, normal) turned to where the ray meets the tile.

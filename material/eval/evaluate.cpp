@@ -153,12 +153,13 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
 }
 
 // A direction of the frame at x in the frame where the ray meets the tile, whose normal is that of x plus
-// tilt.
+// tilt. A vector that has none, as it is zero or not finite, counts as one from below.
 template <class T>
 V3<T> tilted(const V2<T>& tilt, const V3<T>& w) {
   const V2<T> xy(w.x, w.y);
   const V3<T> turned(xy - tilt * w.z, w.z + glm::dot(tilt, xy));
-  return turned / std::sqrt(glm::dot(turned, turned));
+  const T square = glm::dot(turned, turned);
+  return square > T(1e-30) && square < T(1e30) ? turned / std::sqrt(square) : V3<T>(0, 0, -1);
 }
 
 // Share of what is shown at this lambda that is read at p. Mirrors loden_parameter_share.
@@ -221,7 +222,7 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
                           Parallax parallax, const LocalSurface<T>& surface) const {
   Hit<T> hit;
   hit.x = hit.p = x;
-  hit.lambda = std::max(lambda, T(finestLevel(*material_)));
+  hit.lambda = std::max(T(finestLevel(*material_)), lambda);  // the finest if lambda is no number
   hit.position = V3<T>(x, T(0));
   hit.surface = surface;
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
@@ -229,6 +230,8 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   hit.fetches = nearWeight(*material_, hit.lambda) > 0 ? 2 : 0;
   const VdimMaps maps = vdimMaps();
   if (!maps.serve(lookup)) return hit;
+  // No ray comes from nowhere, or from no direction.
+  if (!std::isfinite(x.x + x.y + wo.x + wo.y + wo.z)) return hit;
   const bool fades = parallax == Parallax::kFaded && lookup != Lookup::kPaper;
   const T fade = fades ? parallaxFade(*material_, hit.lambda, wo) : T(1);
   const T share = parameterShare(*material_, hit.lambda);

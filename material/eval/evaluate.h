@@ -58,8 +58,8 @@ class Evaluator {
   void prepareQuality();
 
   // x in tile periods, any finite value; lambda clamped to the finest level that the material has, 0 or that
-  // of finer near maps; wo unit, wo.z > 0. p is x, without a fetch, where nothing that shows at lambda is
-  // read at p.
+  // of finer near maps, which is also what a NaN shows; wo unit, wo.z > 0. p is x, without a fetch, where
+  // nothing that shows at lambda is read at p.
   template <class T>
   Hit<T> findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, Lookup lookup, Parallax parallax,
                  const LocalSurface<T>& surface) const;
@@ -72,7 +72,7 @@ class Evaluator {
 
   // Linear RGB, white Lambert lit from above = 1: pi f_r cos(theta_i), also where the asset's values leave
   // the cosine out; radiance = irradiance * value_scale * this. Not negative: where a fit undershoots black,
-  // 0.
+  // 0; so is light or sight from below, or along a vector that is zero or not finite.
   template <class T>
   glm::vec<3, T> evaluate(const Hit<T>& hit, const glm::vec<3, T>& wi, const glm::vec<3, T>& wo) const;
 

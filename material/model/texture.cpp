@@ -174,9 +174,11 @@ struct Span {
   T blend;
 };
 
+// In [0, 1]; 0 of a coordinate that is not finite, so that no index leaves the texture.
 template <class T>
 T fraction(T value) {
-  return value - std::floor(value);
+  const T f = value - std::floor(value);
+  return f >= T(0) ? f : T(0);
 }
 
 template <class T>
@@ -189,7 +191,7 @@ Span<T> repeatSpan(T coordinate, int size) {
 
 template <class T>
 Span<T> clampSpan(T coordinate, int size) {
-  const T texel = std::clamp(coordinate - T(0.5), T(0), static_cast<T>(size - 1));
+  const T texel = std::min(std::max(T(0), coordinate - T(0.5)), static_cast<T>(size - 1));  // 0 of a NaN
   const int first = static_cast<int>(texel);
   return {first, std::min(first + 1, size - 1), texel - static_cast<T>(first)};
 }
@@ -285,7 +287,7 @@ glm::vec<4, T> sampleRepeat(const Texture& texture, int mip, int layer, glm::vec
 
 template <class T>
 glm::vec<4, T> sampleRepeatLod(const Texture& texture, T lod, int layer, glm::vec<2, T> uv) {
-  const T clamped = std::clamp(lod, T(0), static_cast<T>(texture.mips - 1));
+  const T clamped = std::min(std::max(T(0), lod), static_cast<T>(texture.mips - 1));  // 0 of a NaN
   const int mip = static_cast<int>(clamped);
   const T blend = clamped - static_cast<T>(mip);
   const glm::vec<4, T> fine = sampleRepeat(texture, mip, layer, uv);

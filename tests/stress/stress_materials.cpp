@@ -1,0 +1,103 @@
+#include "tests/stress/stress_materials.h"
+
+#include <cmath>
+
+namespace loden::stress {
+namespace {
+
+// Directions of a grid's node; the pole has one whatever its column.
+glm::dvec3 nodeDirection(const DirectionGrid& grid, int row, int column) {
+  return directionFromSpherical(
+      {double(grid.theta_max) * row / (grid.thetas - 1), 2 * kPi * column / (grid.phis - 1)});
+}
+
+void storeLane(Texture& texture, int mip, glm::ivec3 at, int lane, double value) {
+  glm::vec4 texel = fetchTexel(texture, mip, at.x, at.y, at.z);
+  texel[lane] = static_cast<float>(value);
+  storeTexel(texture, mip, at.x, at.y, at.z, texel);
+}
+
+}  // namespace
+
+double smoothEigenValue(int component, const glm::dvec3& wi, const glm::dvec3& wo) {
+  const double c = component + 1;
+  return 0.5 * std::sin(1.3 * wi.x * c + 0.7 * wo.y) + 0.3 * std::cos(wi.y - c * wo.x) * wi.z + 0.2 * wo.z;
+}
+
+double smoothWeight(int component, glm::dvec2 x) {
+  return 0.6 / (component + 1) *
+         (1 + 0.5 * std::sin(2 * kPi * x.x + component) * std::cos(2 * kPi * x.y - component));
+}
+
+Material smoothMaterial(int side) {
+  Material m;
+  m.mode = Mode::kLod;
+  m.name = "smooth";
+  m.side = side;
+  m.mean = {0.05f, 0.4f, 0, 1, 0.02f, -0.01f, MeanChroma::kRatio};
+  Band band;
+  band.y_quads = 2, band.chroma_quads = 1;
+  band.quad_scale.assign(3, glm::vec4(0.1f));
+  const DirectionGrid grid{6, 25, m.theta_max};
+  const int mips = fullMipCount(side, side);
+  m.lambda_max = float(mips - 1);
+  band.weights = Texture::make(TexelFormat::kRGBA32Sfloat, TextureShape::kArray2D, side, side, 3, mips);
+  band.table = Texture::make(TexelFormat::kRGBA32Sfloat, TextureShape::kVolume, grid.phis,
+                             grid.thetas * grid.thetas, 3 * grid.phis);
+  for (int c = 0; c < 12; ++c) {
+    for (int mip = 0; mip < mips; ++mip)
+      for (int t = 0; t < (side >> mip) * (side >> mip); ++t) {
+        const int s = side >> mip;
+        const glm::dvec2 x = glm::dvec2(t % s + 0.5, t / s + 0.5) / double(s);
+        storeLane(band.weights, mip, {t % s, t / s, c / 4}, c % 4, smoothWeight(c, x) * std::exp2(-mip));
+      }
+    for (int ro = 0; ro < grid.thetas; ++ro)
+      for (int co = 0; co < grid.phis; ++co)
+        for (int ri = 0; ri < grid.thetas; ++ri)
+          for (int ci = 0; ci < grid.phis; ++ci)
+            storeLane(band.table, 0, {ci, ro * grid.thetas + ri, c / 4 * grid.phis + co}, c % 4,
+                      smoothEigenValue(c, nodeDirection(grid, ri, ci), nodeDirection(grid, ro, co)));
+  }
+  m.bands.push_back(std::move(band));
+  return m;
+}
+
+GeometryImage planeImage(int side, double depth, bool identity) {
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < side * side; ++t)
+    positions.emplace_back((t % side + 0.5) / side, (t / side + 0.5) / side, -depth);
+  return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), identity);
+}
+
+Material planeMaterial(double depth) {
+  Material m;
+  m.mode = Mode::kSurface;
+  m.name = "plane";
+  m.side = 32;
+  m.geometry = planeImage(32, depth);
+  SurfaceMaps maps;
+  maps.normal = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 1, 1, 1);
+  maps.color = Texture::make(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, 1, 1, 1);
+  maps.ambient = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 1, 1, 2);
+  storeTexel(maps.normal, 0, 0, 0, 0, {0, 0, 1, 0});
+  storeTexel(maps.color, 0, 0, 0, 0, {1, 1, 1, 0});
+  storeTexel(maps.ambient, 0, 0, 0, 0, {1, 2.0f / 3, 0, 0});
+  maps.specular_scale = 0;
+  m.surface = maps;
+  return m;
+}
+
+double bumpHeight(glm::dvec2 p, double depth) {
+  return depth * (std::cos(4 * kPi * p.x) * std::cos(4 * kPi * p.y) - 1) / 2;
+}
+
+GeometryImage bumpImage(int side, double depth) {
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < side * side; ++t) {
+    const glm::dvec2 p((t % side + 0.5) / side, (t / side + 0.5) / side);
+    positions.emplace_back(p, bumpHeight(p, depth));
+  }
+  return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), true);
+}
+
+}  // namespace loden::stress

@@ -1,0 +1,26 @@
+// Materials with known answers: smooth bands, and planes below the reference surface.
+#pragma once
+
+#include "material/model/material.h"
+
+namespace loden::stress {
+
+// Y of the band below for a pair of directions and a component, smooth, in about -1..1.
+double smoothEigenValue(int component, const glm::dvec3& wi, const glm::dvec3& wo);
+
+// Mode lod: one linear band of two quads of Y and one of chroma over `side` texels with all mips, whose
+// weights are smoothWeight and whose table is smoothEigenValue at its nodes, in 32-bit floats; mean Lambert.
+Material smoothMaterial(int side = 8);
+double smoothWeight(int component, glm::dvec2 x);
+
+// A plane `depth` tile lengths below the reference surface, of a side of texels.
+GeometryImage planeImage(int side, double depth, bool identity = true);
+
+// Mode surface: white Lambert without shadows on such a plane, its normals (0, 0, 1).
+Material planeMaterial(double depth);
+
+// A height field: z = -depth (1 - cos(4 pi x) cos(4 pi y)) / 2.
+double bumpHeight(glm::dvec2 p, double depth);
+GeometryImage bumpImage(int side, double depth);
+
+}  // namespace loden::stress

@@ -119,6 +119,10 @@ LodenHit loden_hit_at_parameter(vec2 x, vec2 p, float lambda) {
   return hit;
 }
 
+// All levels from here on are alike: no asset has as many mips. Renderers that turn a level into an integer
+// take no infinite one.
+const float LODEN_MOST_LAMBDA = 100.0;
+
 LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   LodenHit hit;
   hit.x = x;
@@ -126,7 +130,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   hit.depth = 0.0;
   hit.tilt = vec2(0.0);
   hit.missed = false;
-  hit.lambda = max(m.lambda_min, lambda);  // in this order: lambda_min if lambda is no number
+  hit.lambda = min(max(m.lambda_min, lambda), LODEN_MOST_LAMBDA);  // in this order: lambda_min of a NaN
   hit.position = vec3(x, 0.0);
   hit.relief = false;
   hit.curvature = m.curvature;

@@ -19,6 +19,9 @@ using V3 = glm::vec<3, T>;
 template <class T>
 using V4 = glm::vec<4, T>;
 
+// All levels from here on are alike: no asset has as many mips, and no window ends below.
+constexpr float kMostLambda = 100;
+
 // Where in the tables a pair of directions is: shares of a grid's extent, or the nearest samples' indices.
 template <class T>
 struct TablePosition {
@@ -222,7 +225,8 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
                           Parallax parallax, const LocalSurface<T>& surface) const {
   Hit<T> hit;
   hit.x = hit.p = x;
-  hit.lambda = std::max(T(finestLevel(*material_)), lambda);  // the finest if lambda is no number
+  // The finest if lambda is no number.
+  hit.lambda = std::min(std::max(T(finestLevel(*material_)), lambda), T(kMostLambda));
   hit.position = V3<T>(x, T(0));
   hit.surface = surface;
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).

@@ -25,6 +25,7 @@ usage: ./loden.sh VERB
   demo      bake the four builtin tiles, cook them, walk through the gallery; ends by naming a picture
   test      build everything and run all tests
   bench     build and run the benchmarks
+  stress    the tests of numerical stability at full length; writes tests/stress/RESULTS.md
   studies   run the papers' studies; tables and JSON below out/studies
   pictures  ray traced truth beside the three modes, near, far and magnified: PSNR, FLIP and one picture
   build     build the libraries, the tools and the tests
@@ -237,6 +238,14 @@ verb_bench() {
   ((found)) || die "this version has no benchmarks"
 }
 
+verb_stress() {
+  build all
+  mkdir -p "$LOGS"
+  say "stress tests at full length; output in $LOGS/stress.log"
+  tests/stress/results.sh "$BIN" tests/stress/RESULTS.md "$LOGS/stress.log"
+  say "numbers: $PWD/tests/stress/RESULTS.md"
+}
+
 verb_studies() {
   build loden bench_time_error picture_grid
   mkdir -p "$LOGS" out/studies
@@ -279,7 +288,7 @@ verb_format() {
 verb_clean() { rm -rf build out; }
 
 case ${1:-help} in
-  demo | test | bench | studies | pictures | build | format | clean)
+  demo | test | bench | stress | studies | pictures | build | format | clean)
     (($# == 1)) || die "the verb $1 takes no arguments"
     "verb_$1"
     ;;

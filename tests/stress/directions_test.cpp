@@ -7,25 +7,9 @@
 #include "material/eval/evaluate.h"
 #include "tests/stress/stress.h"
 #include "tests/stress/stress_materials.h"
-#include "tests/unit/material_fixtures.h"
 
 namespace loden::stress {
 namespace {
-
-std::vector<Material> someMaterials() {
-  std::vector<Material> all{test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(),
-                            test::nearMaterial(),    smoothMaterial(),    test::lightFactorMaterial(),
-                            planeMaterial(0.2)};
-  all.front().surface->visibility = Visibility::kDefault;
-  return all;
-}
-
-template <class T>
-bool blackOrLight(const glm::vec<3, T>& value) {
-  for (int c = 0; c < 3; ++c)
-    if (!(value[c] >= 0) || !std::isfinite(value[c])) return false;
-  return true;
-}
 
 HemisphereLight someSky() {
   HemisphereLight light;
@@ -65,7 +49,7 @@ void tryPairs(Evaluator& evaluator, const std::vector<EdgeDirection>& edges, Loo
 
 TEST(StressDirections, EveryPairOfEdgesIsFiniteAndBlackBelowTheHorizon) {
   Broken broken;
-  for (const Material& material : someMaterials()) {
+  for (const Material& material : edgeMaterials()) {
     Evaluator evaluator(material);
     evaluator.prepareQuality();
     evaluator.prepareEnvironment();
@@ -94,7 +78,7 @@ TEST(StressDirections, EveryPairOfEdgesIsFiniteAndBlackBelowTheHorizon) {
 
 TEST(StressDirections, LengthDoesNotMatterToValues) {
   double worst = 0;
-  for (const Material& material : someMaterials()) {
+  for (const Material& material : edgeMaterials()) {
     const Evaluator evaluator(material);
     std::mt19937 random(11);
     std::uniform_real_distribution<float> uniform(0, 1);

@@ -72,8 +72,9 @@ std::string Histogram::text() const {
   for (int bin = 0; bin < kBins; ++bin, limit *= 2) {
     if (bins_[bin] == 0) continue;
     const bool last = bin + 1 == kBins;
-    all += (last ? ">" + shortNumber(limit / 2) : "<=" + shortNumber(limit)) + ": " +
-           shortNumber(100 * double(bins_[bin]) / double(count_)) + " %, ";
+    all += last ? ">" : "<=";
+    all += shortNumber(last ? limit / 2 : limit) + ": ";
+    all += shortNumber(100 * double(bins_[bin]) / double(count_)) + " %, ";
   }
   return all + "most " + shortNumber(largest_);
 }

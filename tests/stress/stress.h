@@ -2,6 +2,7 @@
 // RESULTS.md.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -51,6 +52,18 @@ inline float above(float value, int ulps = 1) {
 inline float below(float value, int ulps = 1) {
   for (int k = 0; k < ulps; ++k) value = std::nextafter(value, -std::numeric_limits<float>::infinity());
   return value;
+}
+
+// Finite and not negative.
+template <class T>
+bool blackOrLight(const glm::vec<3, T>& value) {
+  for (int c = 0; c < 3; ++c)
+    if (!(value[c] >= 0) || !std::isfinite(value[c])) return false;
+  return true;
+}
+template <class T>
+double largestOf(const glm::vec<3, T>& value) {
+  return std::max({std::abs(double(value.x)), std::abs(double(value.y)), std::abs(double(value.z))});
 }
 
 // A direction, and whether light or sight can come along it: all components finite, z above 0.

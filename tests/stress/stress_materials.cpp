@@ -1,6 +1,9 @@
 #include "tests/stress/stress_materials.h"
 
+#include <array>
 #include <cmath>
+
+#include "tests/unit/material_fixtures.h"
 
 namespace loden::stress {
 namespace {
@@ -60,6 +63,92 @@ Material smoothMaterial(int side) {
   }
   m.bands.push_back(std::move(band));
   return m;
+}
+
+namespace {
+
+constexpr int kThetas = 6, kPhis = 25;
+const DirectionGrid kGrid{kThetas, kPhis, static_cast<float>(75.0 * kPi / 180.0)};
+
+// Two neighbours and the weight of the second.
+struct Between {
+  int low, high;
+  double share;
+};
+
+// The four nodes around a direction.
+struct Around {
+  Between row, column;
+};
+Around around(const glm::dvec3& w) {
+  const double theta = std::min(std::acos(std::min(w.z, 1.0)), double(kGrid.theta_max));
+  double phi = std::atan2(w.y, w.x);
+  if (phi < 0) phi += 2 * kPi;
+  const double r = theta / double(kGrid.theta_max) * (kThetas - 1), c = phi / (2 * kPi) * (kPhis - 1);
+  const int row = std::min(static_cast<int>(r), kThetas - 2),
+            column = std::min(static_cast<int>(c), kPhis - 2);
+  return {{row, row + 1, r - row}, {column, column + 1, c - column}};
+}
+
+double tableAt(int component, const Around& light, const Around& view) {
+  double sum = 0;
+  for (int k = 0; k < 16; ++k) {
+    const auto pick = [&](const Between& b, int bit, double& weight) {
+      weight *= k >> bit & 1 ? b.share : 1 - b.share;
+      return k >> bit & 1 ? b.high : b.low;
+    };
+    double weight = 1;
+    const int ri = pick(light.row, 0, weight), ci = pick(light.column, 1, weight),
+              ro = pick(view.row, 2, weight), co = pick(view.column, 3, weight);
+    sum += weight * smoothEigenValue(component, nodeDirection(kGrid, ri, ci), nodeDirection(kGrid, ro, co));
+  }
+  return sum;
+}
+
+double weightAt(int component, int side, glm::dvec2 x) {
+  const glm::dvec2 texel = (x - glm::floor(x)) * double(side) - 0.5, base = glm::floor(texel),
+                   f = texel - base;
+  double sum = 0;
+  for (int k = 0; k < 4; ++k) {
+    const glm::dvec2 corner(k % 2, k / 2);
+    const double weight = (k % 2 ? f.x : 1 - f.x) * (k / 2 ? f.y : 1 - f.y);
+    sum += weight * smoothWeight(component, (base + corner + 0.5) / double(side));
+  }
+  return sum;
+}
+
+}  // namespace
+
+glm::dvec3 smoothValue(int side, glm::dvec2 x, double lambda, const glm::dvec3& light,
+                       const glm::dvec3& view) {
+  const glm::dvec3 wi = glm::normalize(light), wo = glm::normalize(view);
+  if (!(wi.z > 0) || !(wo.z > 0)) return glm::dvec3(0);
+  const int last = fullMipCount(side, side) - 1;
+  const double level = std::min(std::max(lambda, 0.0), double(last));
+  const int mip = std::min(static_cast<int>(level), std::max(last - 1, 0));
+  const Around i = around(wi), o = around(wo);
+  const double limit = std::cos(double(kGrid.theta_max));
+  const double mean = 0.05f + 0.4f * std::max(wi.z, limit);
+  double ycc[3] = {0, 0, 0};
+  for (int c = 0; c < 12; ++c) {
+    const double fine = weightAt(c, side >> mip, x) * std::exp2(-mip);
+    const double coarse = last == 0 ? fine : weightAt(c, side >> (mip + 1), x) * std::exp2(-mip - 1);
+    const double value = 0.1f * (fine + (level - mip) * (coarse - fine)) * tableAt(c, i, o);
+    ycc[c < 8 ? 0 : c % 4 < 2 ? 1 : 2] += value;
+  }
+  const double y = mean + ycc[0], cb = 0.02f * mean + ycc[1], cr = -0.01f * mean + ycc[2];
+  // BT.601.
+  const glm::dvec3 rgb(y + 1.402 * cr, y - 0.114 * 1.772 / 0.587 * cb - 0.299 * 1.402 / 0.587 * cr,
+                       y + 1.772 * cb);
+  return glm::max(rgb, glm::dvec3(0)) * std::min(wi.z / limit, 1.0);
+}
+
+std::vector<Material> edgeMaterials() {
+  std::vector<Material> all{test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(),
+                            test::nearMaterial(),    smoothMaterial(),    test::lightFactorMaterial(),
+                            planeMaterial(0.2)};
+  all.front().surface->visibility = Visibility::kDefault;
+  return all;
 }
 
 GeometryImage planeImage(int side, double depth, bool identity) {

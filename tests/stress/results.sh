@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# The stress tests at full length, and RESULTS.md from the numbers that they note.
+#   results.sh BIN RESULTS LOG    BIN: folder of the programs; LOG: where their output goes
+set -euo pipefail
+readonly BIN=$1 RESULTS=$2 LOG=$3
+export LODEN_STRESS_LONG=1 LODEN_STRESS_RECORD=$LOG.rows
+: >"$LOG"
+: >"$LODEN_STRESS_RECORD"
+
+status=0
+for program in stress_material stress_importer stress_gl; do
+  [[ -x $BIN/$program ]] || continue
+  # Software rendering, headless, as in the tests.
+  GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling} LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless \
+    "$BIN/$program" >>"$LOG" 2>&1 || status=1
+done
+((status == 0)) || { grep -h '^\[  FAILED' "$LOG" | sort -u >&2; exit 1; }
+if [[ -x $BIN/stress_time_error ]]; then
+  "$BIN/stress_time_error" "${RESULTS%/*}/time-error.svg" >>"$LOG"
+fi
+
+title() {
+  case $1 in
+    StressDirections) echo "Directions" ;;
+    StressCoordinates) echo "Coordinates" ;;
+    StressLevels) echo "Levels of detail" ;;
+    StressGl) echo "Shaders against the evaluator at the same edges" ;;
+    StressPrecision) echo "Precision: double, float, half, 8 bit" ;;
+    StressRays) echo "Rays" ;;
+    StressShadows) echo "Cast shadows by look-up" ;;
+    StressFits) echo "Fits" ;;
+    StressPhysics) echo "Physics" ;;
+    *) echo "$1" ;;
+  esac
+}
+
+{
+  cat <<'TEXT'
+# Numerical stability, measured
+
+`./loden.sh stress` runs the tests below at full length and writes this file; `ctest -L stress` runs a quick
+part of each, with the same bounds. Each number stands with the bound that the test holds it to and with the
+command that gives it; commands are programs of the build's `bin` folder, at full length where
+`LODEN_STRESS_LONG` is set. Expected values are closed forms, formulas written out in double in the test,
+certified values, or rays traced through the tile.
+TEXT
+  suite=
+  while IFS= read -r row; do
+    this=${row##*--gtest_filter=}
+    this=${this%%.*}
+    if [[ $this != "$suite" ]]; then
+      suite=$this
+      printf '\n## %s\n\n| what | measured | must be | command |\n|---|---|---|---|\n' "$(title "$suite")"
+    fi
+    printf '%s\n' "$row"
+  done <"$LODEN_STRESS_RECORD"
+  [[ -f $LOG.tail ]] && cat "$LOG.tail"
+} >"$RESULTS.new"
+mv "$RESULTS.new" "$RESULTS"

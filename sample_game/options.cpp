@@ -6,6 +6,8 @@
 #include <map>
 
 #include "material/base/version.h"
+#include "material/model/directions.h"
+#include "material/model/uv_survey.h"
 
 namespace loden::walk {
 namespace {
@@ -47,15 +49,42 @@ std::string parseLight(const std::string& text, std::optional<glm::dvec2>& light
   return two && std::isfinite(angles.x + angles.y) ? "" : "must be THETA,PHI in degrees";
 }
 
-void addInput(CLI::App& app, Options& options, std::string& light) {
-  app.add_option("scene", options.scene, "Scene to walk through (.gltf, .glb)");
-  auto* asset = app.add_option("--asset", options.asset, "Asset to show on a surface instead (.loden)");
+// A length with its unit.
+std::string parsePeriod(const std::string& text, double& metres) {
+  const auto length = lengthFromText(text.c_str());
+  if (length) metres = *length;
+  return length ? "" : "must be a length with its unit, as 2cm, 15mm or 0.3m";
+}
+
+// Options as they are typed, before they are of use.
+struct Texts {
+  std::string size, light, period;
+  double rotation = 0;  // degrees
+};
+
+void addInput(CLI::App& app, Options& options, Texts& texts) {
+  app.add_option("scene", options.scene,
+                 "Scene to walk through (.gltf, .glb), or an asset to show on a cloth, a sphere and a plane "
+                 "(.loden)");
+  auto* asset = app.add_option("--asset", options.asset,
+                               "Asset (.loden) that --material of the scene wears, without packing; without "
+                               "a scene, shown on a surface as loden trace does");
+  app.add_option("--material", options.material,
+                 "The scene's material that wears --asset; default: its only one")
+      ->type_name("NAME")
+      ->needs(asset);
+  app.add_option("--period", texts.period,
+                 "Length of a tile there, as in 2cm; default: what the asset says of itself, else 4cm")
+      ->type_name("LENGTH")
+      ->check([&](const std::string& text) { return parsePeriod(text, options.period); });
+  app.add_option("--rotation", texts.rotation, "Of the tile there, degrees")
+      ->check(CLI::Range(-360.0, 360.0));
   app.add_option("--surface", options.surface, "What shows the asset")
       ->transform(oneOf(kSurfaces))
       ->type_name("NAME")
       ->default_str("plane")
       ->needs(asset);
-  app.add_option("--light", light, "Direction of the light on the surface: THETA,PHI in degrees")
+  app.add_option("--light", texts.light, "Direction of the light on the surface: THETA,PHI in degrees")
       ->default_str("30,0")
       ->needs(asset)
       ->check([&](const std::string& text) { return parseLight(text, options.light); });
@@ -76,15 +105,20 @@ void addInput(CLI::App& app, Options& options, std::string& light) {
                  "walk stands still");
 }
 
-void addOutput(CLI::App& app, Options& options, std::string& size) {
+void addOutput(CLI::App& app, Options& options, Texts& texts) {
   app.add_flag("--headless", options.headless, "No window, and no display needed");
-  app.add_option("--size", size, "Picture size, WxH")
+  app.add_option("--size", texts.size, "Picture size, WxH")
       ->default_str("800x600")
       ->check([&](const std::string& text) { return parseSize(text, options.size); });
   app.add_option("--frames", options.frames,
                  "Number of frames, over which the path is spread; without it one if headless, else until "
                  "the window is closed")
       ->check(CLI::Range(1, 1000000));
+  app.add_option("--turntable", options.turntable, "N frames of one turn around the middle of what is shown")
+      ->check(CLI::Range(2, 100000));
+  app.add_option("--film", options.film,
+                 "Headless: folder for one PNG per frame, and for film.mp4 if ffmpeg is installed; the path "
+                 "at 30 frames a second, or what --frames or --turntable say");
   app.add_option("--capture", options.capture, "Folder for one PNG per frame");
   app.add_option("--contact-sheet", options.contact_sheet, "One PNG with frames from the whole walk");
   app.add_option("--report", options.report, "Times, bytes and counts per frame (JSON)");
@@ -130,7 +164,17 @@ void addRuntime(CLI::App& app, Options& options) {
 // What CLI11 cannot express; empty if all is well.
 std::string contradiction(const Options& options) {
   if (options.doctor) return {};
-  if (options.scene.empty() == options.asset.empty()) return "name either a scene or --asset";
+  if (options.scene.empty() && options.asset.empty())
+    return "name a scene (.gltf, .glb), an asset (.loden), or --asset";
+  if (isAsset(options.scene) && !options.asset.empty())
+    return options.scene.string() +
+           " is an asset itself, and --asset another: name a scene for that to be "
+           "on, or one of them";
+  if (!options.scene.empty() && options.light) return "--light is for surfaces, not for scenes";
+  if (options.onSurface() && (options.period > 0 || options.rotation != 0 || !options.material.empty()))
+    return "--material, --period and --rotation are for scenes";
+  if (options.turntable > 0 && !(options.script.empty() && options.camera.empty()))
+    return "--turntable is a path of its own: leave --camera and --script out";
   if (!options.headless && !(options.capture.empty() && options.contact_sheet.empty()))
     return "--capture and --contact-sheet need --headless: a window's pixels depend on what covers it";
   if (!options.camera.empty() && !options.script.empty()) return "--camera and --script exclude each other";
@@ -145,14 +189,18 @@ const char* modeName(Mode mode) {
   return "";
 }
 
+bool isAsset(const std::filesystem::path& file) {
+  return file.extension() == ".loden";
+}
+
 ParsedOptions parseOptions(int argc, char** argv) {
   ParsedOptions parsed;
   for (int i = 0; i < argc; ++i) (parsed.options.command += i > 0 ? " " : "") += argv[i];
-  std::string size, light;
+  Texts texts;
   CLI::App app("loden_walk: walks through a glTF scene with Loden materials", "loden_walk");
   app.set_version_flag("--version", "loden_walk " LODEN_VERSION);
-  addInput(app, parsed.options, light);
-  addOutput(app, parsed.options, size);
+  addInput(app, parsed.options, texts);
+  addOutput(app, parsed.options, texts);
   addRuntime(app, parsed.options);
   try {
     app.parse(argc, argv);
@@ -160,6 +208,8 @@ ParsedOptions parseOptions(int argc, char** argv) {
     parsed.exit_code = app.exit(error) == 0 ? 0 : 1;
     return parsed;
   }
+  parsed.options.rotation = texts.rotation * kPi / 180;
+  if (!parsed.options.film.empty()) parsed.options.headless = true;
   if (const std::string wrong = contradiction(parsed.options); !wrong.empty()) {
     std::fprintf(stderr, "loden_walk: %s; see --help\n", wrong.c_str());
     parsed.exit_code = 1;

@@ -20,8 +20,12 @@ enum class Mode {
 };
 
 struct Options {
-  std::filesystem::path scene;  // either this ...
-  std::filesystem::path asset;  // ... or this, on a surface
+  std::filesystem::path
+      scene;  // .gltf or .glb; or an asset (.loden) to show on a cloth, a sphere and a plane
+  std::filesystem::path asset;  // without a scene: on an analytic surface; with one: on `material`
+  std::string material;         // of the scene, that wears the asset; empty: the only one
+  double period = 0;            // metres along the tile's x on it; 0: as the asset says, or the usual
+  double rotation = 0;          // radians, of the tile on it
   SurfaceKind surface = SurfaceKind::kPlane;
   std::filesystem::path
       camera;  // empty: the scene's own, or the default of material/model/analytic_surface.h
@@ -34,8 +38,9 @@ struct Options {
   bool headless = false;
   glm::ivec2 size{800, 600};
   std::filesystem::path script;
-  int frames = 0;  // 0: as long as the window is open, one when headless
-  std::filesystem::path capture, report, contact_sheet, shader_cache;  // empty: none
+  int turntable = 0;  // frames of one turn around the middle of the scene; 0: none
+  int frames = 0;     // 0: as long as the window is open, one when headless
+  std::filesystem::path capture, report, contact_sheet, film, shader_cache;  // empty: none
   double budget_mb = 64, upload_kb = 256;
   Mode mode = Mode::kFull;
   runtime::LambdaRule lambda_rule = runtime::LambdaRule::kFootprint;
@@ -47,7 +52,12 @@ struct Options {
   bool doctor = false;  // only tell what OpenGL offers
   bool json = false;    // ... as JSON
   std::string command;  // as typed, for the report
+
+  // Exactly what `loden trace` draws, and nothing else.
+  bool onSurface() const { return scene.empty(); }
 };
+// Whether the file is an asset, by its name.
+bool isAsset(const std::filesystem::path& file);
 const char* modeName(Mode mode);
 
 struct ParsedOptions {

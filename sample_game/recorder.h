@@ -12,12 +12,14 @@
 
 namespace loden::walk {
 
+inline constexpr int kFramesPerSecond = 30;  // of films, and of what moves where nobody watches
+
 class Recorder {
  public:
   // `frames`: how many there will be; 0 if nobody knows.
   Recorder(const Options& options, int frames);
 
-  // Makes the capture folder.
+  // Makes the folders.
   Status begin();
   bool wantsPixels(int frame) const;
   // sRGB codes, first row at the top.
@@ -28,6 +30,9 @@ class Recorder {
   Status finish();
 
  private:
+  Status writeFrame(const std::filesystem::path& folder, int frame,
+                    std::span<const glm::u8vec4> pixels) const;
+  Status finishFilm() const;
   bool onSheet(int frame) const;
 
   const Options& options_;

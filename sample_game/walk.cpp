@@ -83,9 +83,15 @@ Result<FrameRecord> drawFrame(World& world, const Camera& camera, const FrameTar
   return record;
 }
 
+int framesOf(const Options& options, double path_seconds) {
+  if (options.frames > 0) return options.frames;
+  if (options.turntable > 0) return options.turntable;
+  return options.film.empty() ? 1 : std::max(1, static_cast<int>(path_seconds * kFramesPerSecond));
+}
+
 int walkHeadless(const Options& options, World& world, Clock::time_point start) {
-  const int frames = std::max(options.frames, 1);
-  constexpr float kFrameSeconds = 1.0f / 30;
+  const int frames = framesOf(options, world.path.duration());
+  constexpr float kFrameSeconds = 1.0f / kFramesPerSecond;
   Recorder recorder(options, frames);
   if (Status status = recorder.begin(); !status) return fail(status.issue());
   const auto target = makeRenderTarget(options.size, ColorFormat::kSrgb8, "walk");
@@ -93,7 +99,9 @@ int walkHeadless(const Options& options, World& world, Clock::time_point start) 
   recorder.report().gl = world.device->capabilities();
   recorder.report().start_ms = millisecondsSince(start);
   for (int i = 0; i < frames && !interrupted; ++i) {
-    const double t = frames > 1 ? world.path.duration() * i / (frames - 1) : 0;
+    // A turn ends one step before it begins again.
+    const int steps = options.turntable > 0 ? frames : frames - 1;
+    const double t = steps > 0 ? world.path.duration() * i / steps : 0;
     // A walk takes its own time; a camera that stands still watches at 30 frames a second.
     const double moving = world.path.duration() > 0 ? t : double(kFrameSeconds) * i;
     const Camera camera = world.animate(moving, options.time).value_or(world.path.at(t));

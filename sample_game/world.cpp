@@ -2,21 +2,21 @@
 
 #include <cmath>
 #include <cstdio>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "material/base/issues.h"
 #include "material/model/directions.h"
-#include "material/system/asset_io.h"
 #include "runtime/scene/gltf_scene.h"
-#include "runtime/scene/image_read.h"
 #include "runtime/scene/mesh_analytic.h"
 #include "sample_game/camera_file.h"
+#include "sample_game/dress.h"
+#include "sample_game/framing.h"
+#include "sample_game/showcase.h"
 
 namespace loden::walk {
 namespace {
 
 using namespace runtime;
-
-constexpr int kEnvironmentSuns = 2;  // each costs as much as a light
 
 void printIssue(const Issue& issue) {
   if (issue.severity == Severity::kNote) return;
@@ -25,61 +25,77 @@ void printIssue(const Issue& issue) {
 
 // Scenes have y up, surfaces z up.
 glm::dvec3 upOf(const Options& options) {
-  return options.asset.empty() ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+  return options.onSurface() ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
 }
 
-// Of the asset's tile; 1 of one that cannot be opened, which its loading will say.
-double aspectOf(const std::filesystem::path& asset) {
-  auto source = openFileSource(asset);
-  if (!source) return 1;
-  const auto file = AssetFile::open(std::move(*source), asset.string());
-  return file ? double(file->skeleton().aspect) : 1.0;
-}
-
-Result<Scene> makeScene(const Options& options) {
-  if (options.asset.empty()) return loadGltfScene(options.scene, {options.variant});
+Result<Scene> makeSurface(const Options& options) {
   const glm::dvec2 light = options.light.value_or(glm::dvec2(30, 0));
   const Spherical direction{light.x * kPi / 180, light.y * kPi / 180};
+  const auto facts = readTileFacts(options.asset);  // what cannot be opened, its loading will say
   Scene scene = analyticScene(options.surface, options.asset, glm::vec3(directionFromSpherical(direction)),
-                              aspectOf(options.asset));
+                              facts ? facts->aspect : 1);
   if (!options.light && !options.environment.empty()) scene.lights.clear();
   return scene;
 }
 
-// What is asked for; for scenes without any light a neutral studio. Panoramas have z up, as surfaces have.
-Status setEnvironment(const Options& options, const Scene& scene, FrameSettings& settings) {
-  const bool neutral = options.asset.empty() && options.environment.empty() && scene.lights.empty();
-  if (options.environment.empty() && !neutral) return {};
-  const Result<Panorama> panorama =
-      neutral ? Result<Panorama>(neutralPanorama()) : readPanorama(options.environment);
-  if (!panorama) return panorama.issue();
-  const glm::mat3 y_up(glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::vec3(0, 1, 0));
-  const glm::mat3 world_from_panorama = options.asset.empty() ? y_up : glm::mat3(1);
-  Environment environment = projectPanorama(*panorama, kEnvironmentSuns);
-  environment.light = rotated(environment.light, world_from_panorama);
-  for (EnvironmentSun& sun : environment.suns) sun.direction = world_from_panorama * sun.direction;
-  settings.environment = std::move(environment);
-  if (options.asset.empty())
-    settings.reflections =
-        std::make_shared<const ReflectionMap>(makeReflectionMap(*panorama, world_from_panorama));
-  return {};
+// The length of a tile that nobody has asked for, with a word about it where the asset says nothing either.
+double periodOf(const Options& options, const TileFacts& facts) {
+  if (options.period > 0) return options.period;
+  if (facts.period > 0) return facts.period;
+  if (!options.quiet)
+    std::fprintf(stderr,
+                 "loden_walk: %s does not say how long its tile is, and 4 cm are taken; --period chooses\n",
+                 facts.name.c_str());
+  return kUsualPeriod;
 }
 
-// In front of everything, looking at its middle.
-Camera overview(const Scene& scene) {
-  Bounds all;
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    const Bounds box = transformed(scene.meshes[instance.mesh].bounds, instance.world_from_local);
-    all = i == 0 ? box : Bounds{glm::min(all.min, box.min), glm::max(all.max, box.max)};
+Result<Scene> makeShowcase(const Options& options) {
+  const auto facts = readTileFacts(options.scene);
+  if (!facts) return facts.issue();
+  Scene scene = showcaseScene(options.scene, *facts, periodOf(options, *facts));
+  if (options.rotation != 0) scene.materials[0].flat_btf->rotation = static_cast<float>(options.rotation);
+  return scene;
+}
+
+void warnOfStretch(const Scene& scene, int material) {
+  const UvSurvey survey = surveyUvs(scene, material);
+  const UvSurvey::Stretch stretch = survey.stretch(survey.metresPerUnit());
+  if (stretch.most <= UvSurvey::kStrong) return;
+  std::fprintf(
+      stderr,
+      "loden_walk: texture coordinates of '%s' stretch the pattern up to %.2g times, and on %.0f %% of "
+      "the area more than twice\n",
+      scene.materials[size_t(material)].name.c_str(), stretch.most, 100 * stretch.share);
+}
+
+Result<Scene> makeScene(const Options& options) {
+  if (options.onSurface()) return makeSurface(options);
+  if (isAsset(options.scene)) return makeShowcase(options);
+  Result<Scene> scene = loadGltfScene(options.scene, {options.variant});
+  if (!scene || options.asset.empty()) return scene;
+  const auto facts = readTileFacts(options.asset);
+  if (!facts) return facts.issue();
+  const Result<int> material = findMaterial(*scene, options.material);
+  if (!material) return material.issue();
+  const Status dressed = dress(*scene, *material, assetIndex(*scene, options.asset),
+                               periodOf(options, *facts), facts->aspect, options.rotation);
+  if (!dressed) return dressed.issue();
+  if (!options.quiet) warnOfStretch(*scene, *material);
+  return scene;
+}
+
+// What is asked for; for scenes without any light a neutral studio.
+Result<Lighting> makeLighting(const Options& options, const Scene& scene) {
+  Lighting lighting;
+  if (!options.environment.empty()) {
+    auto read = panoramaLighting(options.environment);
+    if (!read) return read.issue();
+    lighting = std::move(*read);
+  } else if (!options.onSurface() && scene.lights.empty()) {
+    lighting = neutralLighting();
   }
-  Camera camera;
-  camera.up = {0, 1, 0};
-  camera.target = glm::dvec3(all.centre());
-  // As far away as makes the sphere around everything fit into a picture that is not upright.
-  const double distance = double(all.radius()) / std::sin(camera.fov_degrees * kPi / 360);
-  camera.position = camera.target + glm::normalize(glm::dvec3(0.35, 0.3, 1)) * std::max(distance, 1e-3);
-  return camera;
+  lighting.y_up = !options.onSurface();
+  return lighting;
 }
 
 // Index of the animation that is asked for; -1: none.
@@ -101,11 +117,45 @@ CameraPath standingAt(const Camera& camera) {
   return CameraPath({{0, camera.position, camera.target}}, camera);
 }
 
+// As far away as it takes on a way around.
+Camera seenFromAllSides(const Bounds& box, double aspect) {
+  Camera farthest;
+  double most = 0;
+  for (int k = 0; k < 12; ++k) {
+    const double angle = 2 * kPi * k / 12;
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(std::sin(angle), 0.28, std::cos(angle)));
+    const Camera camera = framedFrom(box, direction, aspect);
+    const double distance = glm::distance(camera.position, camera.target);
+    if (distance > most) farthest = camera, most = distance;
+  }
+  const glm::dvec3 ahead = glm::normalize(glm::dvec3(0, 0.28, 1));
+  farthest.position = farthest.target + ahead * most;
+  return farthest;
+}
+
+// Once around the camera's target, at 30 frames a second.
+CameraPath turningAround(const Camera& camera, int frames) {
+  constexpr int kKeys = 48;
+  const glm::dvec3 arm = camera.position - camera.target;
+  std::vector<CameraPath::Key> keys;
+  for (int k = 0; k <= kKeys; ++k) {
+    const glm::dmat4 turn = glm::rotate(glm::dmat4(1), 2 * kPi * k / kKeys, camera.up);
+    keys.push_back({double(k) / kKeys * frames / 30, camera.target + glm::dvec3(turn * glm::dvec4(arm, 0)),
+                    camera.target});
+  }
+  return CameraPath(std::move(keys), camera);
+}
+
 Result<CameraPath> makePath(const Options& options, const Scene& scene) {
   if (!options.script.empty()) return readCameraPath(options.script, upOf(options));
-  if (options.camera.empty() && !options.asset.empty()) return standingAt(Camera{});
+  const double aspect = double(options.size.x) / options.size.y;
+  if (options.turntable > 0)
+    return turningAround(options.onSurface() ? Camera{} : seenFromAllSides(boundsOfAll(scene), aspect),
+                         options.turntable);
+  if (options.camera.empty() && options.onSurface()) return standingAt(Camera{});
   if (options.camera.empty())
-    return standingAt(scene.cameras.empty() ? overview(scene) : cameraFromScene(scene.cameras[0]));
+    return standingAt(scene.cameras.empty() ? framed(boundsOfAll(scene), aspect)
+                                            : cameraFromScene(scene.cameras[0]));
   const Result<Camera> camera = readCamera(options.camera, upOf(options));
   if (!camera) return camera.issue();
   return standingAt(*camera);
@@ -140,7 +190,7 @@ FrameSettings frameSettings(const Options& options) {
   settings.base_materials_only = options.mode == Mode::kFallback;
   settings.exposure = 0.8f;
   settings.samples = 4;
-  if (options.asset.empty()) return settings;
+  if (!options.onSurface()) return settings;
   settings.exposure = 1;
   settings.samples = 1;
   settings.shadows = false;
@@ -154,11 +204,15 @@ FrameSettings frameSettings(const Options& options) {
 std::optional<Camera> World::animate(double seconds, double first) {
   if (animation < 0) return {};
   const SceneAnimation& moving = scene.animations[size_t(animation)];
-  const double at = moving.duration > 0 ? std::fmod(first + seconds, moving.duration) : 0;
-  const ScenePose pose = poseAt(scene, &moving, at);
-  renderer->pose(scene, pose);
+  animated_to = moving.duration > 0 ? std::fmod(first + seconds, moving.duration) : 0;
+  const ScenePose now = pose();
+  renderer->pose(scene, now);
   if (scene_camera < 0) return {};
-  return cameraFromScene(cameraAt(scene.cameras[size_t(scene_camera)], pose));
+  return cameraFromScene(cameraAt(scene.cameras[size_t(scene_camera)], now));
+}
+
+ScenePose World::pose() const {
+  return poseAt(scene, animation < 0 ? nullptr : &scene.animations[size_t(animation)], animated_to);
 }
 
 Result<World> makeWorld(const Options& options) {
@@ -166,13 +220,18 @@ Result<World> makeWorld(const Options& options) {
   if (!scene) return scene.issue();
   for (const Issue& note : scene->notes) printIssue(note);
   if (scene->assets.empty() && !options.quiet)
-    std::fprintf(stderr, "loden_walk: %s has no Loden material, its own are drawn; loden pack adds one\n",
+    std::fprintf(stderr,
+                 "loden_walk: %s has no Loden material, its own are drawn; --material NAME --asset X.loden "
+                 "puts one on\n",
                  options.scene.c_str());
   FrameSettings settings = frameSettings(options);
-  if (Status status = setEnvironment(options, *scene, settings); !status) return status.issue();
+  Result<Lighting> lighting = makeLighting(options, *scene);
+  if (!lighting) return lighting.issue();
+  lighting->apply(settings);
   const Result<int> animation = chooseAnimation(options, *scene);
   if (!animation) return animation.issue();
-  const bool own_camera = options.script.empty() && options.camera.empty() && !scene->cameras.empty();
+  const bool own_camera =
+      options.script.empty() && options.camera.empty() && options.turntable == 0 && !scene->cameras.empty();
   Result<CameraPath> path = makePath(options, *scene);
   if (!path) return path.issue();
 
@@ -188,9 +247,10 @@ Result<World> makeWorld(const Options& options) {
   auto renderer = FrameRenderer::create(**device, *shaders, **materials, *scene);
   if (!renderer) return renderer.issue();
   for (SceneImage& image : scene->images) image.pixels = {};
-  return World{std::move(device).value(),   std::move(shaders),  std::move(materials).value(),
-               std::move(renderer).value(), std::move(settings), std::move(path.value()),
-               std::move(scene.value()),    *animation,          own_camera ? 0 : -1};
+  return World{std::move(device).value(),   std::move(shaders),   std::move(materials).value(),
+               std::move(renderer).value(), std::move(settings),  std::move(path.value()),
+               std::move(scene.value()),    std::move(*lighting), *animation,
+               own_camera ? 0 : -1};
 }
 
 }  // namespace loden::walk

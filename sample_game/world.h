@@ -10,6 +10,7 @@
 #include "runtime/gl/material/material_system.h"
 #include "runtime/scene/camera.h"
 #include "runtime/shader/shader_library.h"
+#include "sample_game/lighting.h"
 #include "sample_game/options.h"
 
 namespace loden::walk {
@@ -20,14 +21,18 @@ struct World {
   std::unique_ptr<runtime::MaterialSystem> materials;
   std::unique_ptr<runtime::FrameRenderer> renderer;
   runtime::FrameSettings settings;
-  runtime::CameraPath path;  // of one key where no script is given
+  runtime::CameraPath path;  // of one key where nothing moves
   runtime::Scene scene;      // without its images
-  int animation = -1;        // of the scene; -1: nothing moves
-  int scene_camera = -1;     // of the scene, that the picture is seen through; -1: the path's
+  Lighting lighting;
+  int animation = -1;      // of the scene; -1: nothing moves
+  int scene_camera = -1;   // of the scene, that the picture is seen through; -1: the path's
+  double animated_to = 0;  // seconds into the animation
 
   // Moves the scene to `seconds` since its first frame, the animation starting over at its end. The camera
   // that the picture is then seen through, if it is the scene's.
   std::optional<Camera> animate(double seconds, double first);
+  // The pose that was drawn last.
+  runtime::ScenePose pose() const;
 };
 Result<World> makeWorld(const Options& options);
 

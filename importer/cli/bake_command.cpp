@@ -18,18 +18,6 @@ Issue optionIssue(const std::string& option, const std::string& text) {
   return {issue_id::kOption, Severity::kError, option, text};
 }
 
-// Metres of a length with its unit: "2cm".
-Result<double> parseLength(const std::string& option, const std::string& text) {
-  double value = 0;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%lf%n", &value, &used) == 1 && value > 0 && value < 1e6) {
-    const std::string unit = text.substr(static_cast<size_t>(used));
-    for (const auto& [name, metres] : {std::pair{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}})
-      if (unit == name) return value * metres;
-  }
-  return optionIssue(option, "'" + text + "' is not a length with its unit, as 2cm, 15mm or 0.3m");
-}
-
 // "latlong:16x16" and "concentric:16".
 Status parseVdim(const std::string& text, BakeOptions& bake) {
   if (text.starts_with("concentric:")) {

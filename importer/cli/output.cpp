@@ -10,6 +10,7 @@
 #include "importer/cli/interrupt.h"
 #include "material/base/issues.h"
 #include "material/model/directions.h"
+#include "material/model/uv_survey.h"
 #include "material/system/atomic_file.h"
 
 namespace loden::importer {
@@ -162,6 +163,11 @@ Result<glm::ivec2> parseExtent(const std::string& option, const std::string& tex
       used != static_cast<int>(text.size()) || width < 1 || height < 1 || width > 16384 || height > 16384)
     return badOption(option, text, "WxH with sides 1 to 16384, for example 800x600");
   return glm::ivec2(width, height);
+}
+
+Result<double> parseLength(const std::string& option, const std::string& text) {
+  if (const auto metres = lengthFromText(text.c_str())) return *metres;
+  return badOption(option, text, "a length with its unit, as 2cm, 15mm or 0.3m");
 }
 
 Status writeWholeFile(const std::filesystem::path& path, std::string_view bytes) {

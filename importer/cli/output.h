@@ -50,6 +50,9 @@ Result<glm::ivec2> parseExtent(const std::string& option, const std::string& tex
 // "8,2,2".
 Result<std::vector<double>> parseNumbers(const std::string& option, const std::string& text, size_t count);
 
+// Metres of "2cm", "15mm" or "0.3m".
+Result<double> parseLength(const std::string& option, const std::string& text);
+
 // Writes a whole text or binary file under a temporary name, then renames it.
 Status writeWholeFile(const std::filesystem::path& path, std::string_view bytes);
 

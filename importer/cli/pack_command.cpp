@@ -23,18 +23,20 @@ class PackCommand : public Command {
     options.path("-o,--output", pack_.output, "Scene to write, of the same kind", true);
     options.flag("--embed", pack_.embed, "Put the asset into the scene file instead of beside it");
     options.integer("--texcoord", pack_.tex_coord, "TEXCOORD_N to use", 0, 15);
-    options.text("--scale", scale_, "Repetitions per unit of texture coordinate, SX,SY");
+    options.text("--period", period_,
+                 "Length of a tile on the material's surfaces, as in 2cm, measured by their texture "
+                 "coordinates; default: the asset's own (bake --period), else one tile per unit");
+    options.text("--scale", scale_, "Instead: repetitions per unit of texture coordinate, SX,SY");
     options.number("--rotation", rotation_, "Degrees, as in KHR_texture_transform");
     options.flag("--fit-fallback", pack_.fit_fallback,
-                 "Replace the material's pbrMetallicRoughness, too, not only add one where none is");
+                 "Replace the material's own look by the asset's colours, normals and sheen for viewers "
+                 "without the extension");
     options.footer(
         "Run pack last: most glTF tools drop extensions that they do not know, some without a word.");
   }
 
   int run(const GlobalOptions& globals) override {
-    const auto scale = parseNumbers("--scale", scale_, 2);
-    if (!scale) return fail(scale.issue());
-    pack_.scale = {(*scale)[0], (*scale)[1]};
+    if (const Status status = parse(); !status) return fail(status.issue());
     pack_.rotation = rotation_ * kPi / 180;
     const auto report = [&] {
       const CommitScope commit;
@@ -48,17 +50,47 @@ class PackCommand : public Command {
                          {"material", report->material},
                          {"asset", report->asset_reference},
                          {"fallback_fitted", report->fallback_fitted},
+                         {"scale", {report->scale.x, report->scale.y}},
+                         {"period", {report->period.x, report->period.y}},
+                         {"uv_stretch", report->stretch},
+                         {"uv_stretched_share", report->stretched_share},
+                         {"remarks", report->remarks},
                          {"files", files}});
     } else {
-      printText(formatted("%s: material %d '%s' uses %s\n", pack_.output.c_str(), report->material,
-                          pack_.material.c_str(), report->asset_reference.c_str()));
+      printText(formatted("%s: material %d '%s' uses %s%s\n", pack_.output.c_str(), report->material,
+                          pack_.material.c_str(), report->asset_reference.c_str(),
+                          tileText(report->period).c_str()));
     }
+    for (const std::string& remark : report->remarks) note(globals, pack_.scene.string() + ": " + remark);
     return kExitOk;
   }
 
  private:
+  Status parse() {
+    if (!period_.empty()) {
+      if (!scale_.empty())
+        return Issue{issue_id::kOption, Severity::kError, "--period", "excludes --scale: give one of them"};
+      const auto period = parseLength("--period", period_);
+      if (!period) return period.issue();
+      pack_.period = *period;
+    }
+    if (scale_.empty()) return {};
+    const auto scale = parseNumbers("--scale", scale_, 2);
+    if (!scale) return scale.issue();
+    pack_.scale = glm::dvec2((*scale)[0], (*scale)[1]);
+    return {};
+  }
+
+  // How large a tile comes out; nothing if that is not known.
+  static std::string tileText(const glm::dvec2& period) {
+    if (!(period.x > 0)) return {};
+    const double unit = period.x < 0.01 ? 1e-3 : period.x < 1 ? 1e-2 : 1;
+    const char* name = period.x < 0.01 ? "mm" : period.x < 1 ? "cm" : "m";
+    return formatted("; a tile is %.3g %s x %.3g %s there", period.x / unit, name, period.y / unit, name);
+  }
+
   PackOptions pack_;
-  std::string scale_ = "1,1";
+  std::string scale_, period_;
   double rotation_ = 0;
 };
 

@@ -7,10 +7,11 @@
 #include <cstdio>
 
 #include "importer/base/file_read.h"
+#include "importer/gltf/fallback.h"
 #include "importer/gltf/gltf_document.h"
+#include "importer/gltf/measure_uvs.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
-#include "material/model/color.h"
 #include "material/system/atomic_file.h"
 #include "material/system/confined_path.h"
 
@@ -24,6 +25,13 @@ Issue extensionIssue(const fs::path& scene, const std::string& text) {
   return {issue_id::kGltfExtension, Severity::kError, scene.string(), text};
 }
 
+// Five significant digits, or as many as asked for.
+std::string shortNumber(double value, int digits = 5) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
 Result<int> findMaterial(const Json& scene, const PackOptions& options) {
   std::string names;
   for (size_t m = 0; m < arraySize(scene, "materials"); ++m) {
@@ -34,31 +42,6 @@ Result<int> findMaterial(const Json& scene, const PackOptions& options) {
   }
   return extensionIssue(options.scene, "has no material '" + options.material + "'; it has " +
                                            (names.empty() ? "none" : names));
-}
-
-// Average colour and gloss of the material, as core glTF can say them.
-Json fittedFallback(const Material& material) {
-  glm::dvec3 color = glm::max(glm::dvec3(rgbFromYcc(glm::dvec3(material.mean.ka + material.mean.kd,
-                                                               material.mean.cb, material.mean.cr))),
-                              0.0);
-  if (material.mean.chroma == MeanChroma::kRatio) {
-    const double y = material.mean.ka + material.mean.kd;
-    color = rgbFromYcc(glm::dvec3(y, material.mean.cb * y, material.mean.cr * y));
-  }
-  if (material.surface) {
-    // The average; metals, too, are matt in it, as the tile's own shape is not in the fallback.
-    const Texture& map = material.surface->color;
-    const glm::vec4 code = fetchTexel(map, map.mips - 1, 0, 0, 0);
-    if (map.mipWidth(map.mips - 1) == 1) color = glm::dvec3(code) * glm::dvec3(code);
-  }
-  color = glm::clamp(color, 0.0, 1.0);
-  // GGX alpha^2 = 2 / (n + 2) (Walter et al. 2007), alpha = roughness^2 (glTF); no highlight is fully rough.
-  const double n = std::max(0.0f, material.mean.alpha);
-  const double roughness = material.mean.ks > 1e-3 ? std::pow(2 / (n + 2), 0.25) : 1;
-  const auto rounded = [](double v) { return std::round(v * 1e5) / 1e5; };
-  return {{"baseColorFactor", {rounded(color.x), rounded(color.y), rounded(color.z), 1.0}},
-          {"metallicFactor", 0.0},
-          {"roughnessFactor", rounded(std::clamp(roughness, 0.05, 1.0))}};
 }
 
 // Appends the asset's bytes as a bufferView: to the binary chunk of a GLB, else as a buffer with a data uri.
@@ -94,10 +77,10 @@ int64_t assetIndex(Json& scene, const Json& entry) {
   return index;
 }
 
-void declareUsed(Json& scene) {
+void declareUsed(Json& scene, const char* name) {
   Json& used = scene["extensionsUsed"];
   if (!used.is_array()) used = Json::array();
-  if (std::find(used.begin(), used.end(), kExtensionName) == used.end()) used.push_back(kExtensionName);
+  if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
 }
 
 // Files to copy, found out before the first one is: what fails, fails with nothing written.
@@ -179,10 +162,115 @@ Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, 
   return Json{{"uri", report.asset_reference}};
 }
 
-Json materialExtension(int64_t asset, const PackOptions& options) {
+std::string inPercent(double share) {
+  return std::to_string(std::lround(100 * share)) + " %";
+}
+
+// Chooses the scale, measures what it makes of the tile, and remarks on both.
+Status layOut(const UvSurvey& survey, const Material& asset, const PackOptions& options, PackReport& report) {
+  const double period = options.period > 0 ? options.period : double(asset.period);
+  if (survey.empty()) {
+    if (!options.scale && options.period > 0)
+      return Issue{issue_id::kOption, Severity::kError, "--period",
+                   "the texture coordinates of '" + options.material + "' cannot be measured in " +
+                       options.scene.string() +
+                       ": no mesh of the default scene wears it uncompressed; give "
+                       "--scale instead"};
+    report.scale = options.scale.value_or(glm::dvec2(1));
+    if (!options.scale && period > 0)
+      report.remarks.push_back("no surface of '" + options.material +
+                               "' can be measured, so that the tile repeats once per unit of texture "
+                               "coordinate and not by its own length; --scale chooses");
+    return {};
+  }
+  const glm::dvec2 metres = survey.metresPerUnit();
+  if (options.scale || period == 0) {
+    report.scale = options.scale.value_or(glm::dvec2(1));
+  } else {
+    const auto scale = scaleForPeriod(metres, period, double(asset.aspect), options.rotation);
+    if (!scale)
+      return Issue{issue_id::kOption, Severity::kError, "--rotation",
+                   "the tile is no square, and only right angles keep its shape; give --scale instead of its "
+                   "length for others"};
+    report.scale = {std::stod(shortNumber(scale->x)), std::stod(shortNumber(scale->y))};
+  }
+  report.period = periodOfScale(metres, report.scale, options.rotation);
+  const UvSurvey::Stretch stretch = survey.stretch(metres);
+  report.stretch = stretch.most;
+  report.stretched_share = stretch.share;
+  if (!options.scale && period == 0)
+    report.remarks.push_back(
+        "the asset does not say how long its tile is: one is taken per unit of texture "
+        "coordinate; --period chooses, as in --period 2cm");
+  if (stretch.most > UvSurvey::kStrong)
+    report.remarks.push_back("texture coordinates stretch the pattern up to " + shortNumber(stretch.most, 2) +
+                             " times, and on " + inPercent(stretch.share) +
+                             " of the area more than twice; unwrap the mesh more evenly to avoid it");
+  return {};
+}
+
+// What the look of the material was made of, apart from what the extension keeps: alpha and emission by
+// factors, and double sides.
+void removeLook(Json& material) {
+  for (const char* member :
+       {"normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor", "alphaMode", "alphaCutoff"})
+    material.erase(member);
+  if (!material.contains("extensions")) return;
+  std::vector<std::string> looks;
+  for (const auto& [name, value] : material["extensions"].items())
+    if (name.starts_with("KHR_materials_") && name != "KHR_materials_variants") looks.push_back(name);
+  for (const std::string& name : looks) material["extensions"].erase(name);
+}
+
+// A texture of the document, of a PNG inside it; as a member of a material.
+Json addTexture(GltfDocument& document, const std::string& png, const std::string& name,
+                const PackOptions& options, const glm::dvec2& scale) {
+  Json& json = document.json;
+  const int64_t view = embedBytes(document, png);
+  json["images"].push_back({{"name", name}, {"bufferView", view}, {"mimeType", "image/png"}});
+  json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9987}});
+  json["textures"].push_back(
+      {{"source", json["images"].size() - 1}, {"sampler", json["samplers"].size() - 1}});
+  Json use{{"index", json["textures"].size() - 1}};
+  if (options.tex_coord != 0) use["texCoord"] = options.tex_coord;
+  Json transform{{"scale", {scale.x, scale.y}}};
+  if (options.rotation != 0) transform["rotation"] = options.rotation;
+  use["extensions"]["KHR_texture_transform"] = transform;
+  return use;
+}
+
+// The asset's look for viewers without the extension, in place of the material's own.
+Status replaceLook(GltfDocument& document, int64_t index, const Material& asset, const PackOptions& options,
+                   const glm::dvec2& scale) {
+  const auto maps = bakeFallback(asset);
+  if (!maps) return maps.issue();
+  Json& json = document.json;
+  Json look = fittedFactors(asset), normal;
+  if (!maps->color_png.empty()) {
+    const glm::vec3& factor = maps->color_factor;
+    look["baseColorFactor"] = {factor.r, factor.g, factor.b, 1.0};
+    look["baseColorTexture"] =
+        addTexture(document, maps->color_png, options.material + " colours", options, scale);
+    normal = addTexture(document, maps->normal_png, options.material + " normals", options, scale);
+    declareUsed(json, "KHR_texture_transform");
+  }
+  Json& material = json["materials"][static_cast<size_t>(index)];
+  removeLook(material);
+  material["pbrMetallicRoughness"] = look;
+  if (!normal.is_null()) material["normalTexture"] = normal;
+  if (maps->sheen != glm::vec3(0)) {
+    material["extensions"]["KHR_materials_sheen"] = {
+        {"sheenColorFactor", {maps->sheen.r, maps->sheen.g, maps->sheen.b}},
+        {"sheenRoughnessFactor", maps->sheen_roughness}};
+    declareUsed(json, "KHR_materials_sheen");
+  }
+  return {};
+}
+
+Json materialExtension(int64_t asset, const PackOptions& options, const glm::dvec2& scale) {
   Json extension{{"asset", asset}};
   if (options.tex_coord != 0) extension["texCoord"] = options.tex_coord;
-  if (options.scale != glm::dvec2(1)) extension["scale"] = {options.scale.x, options.scale.y};
+  if (scale != glm::dvec2(1)) extension["scale"] = {scale.x, scale.y};
   if (options.rotation != 0) extension["rotation"] = options.rotation;
   return extension;
 }
@@ -223,16 +311,25 @@ Result<PackReport> pack(const PackOptions& options) {
 
   PackReport report;
   report.material = *index;
+  GltfBuffers buffers(*document, options.scene);
+  const UvSurvey survey = surveyUvs(document->json, buffers, *index, options.tex_coord);
+  if (const Status status = layOut(survey, *asset, options, report); !status) return status.issue();
   Copies copies;
   if (const Status status = planResources(document->json, options, copies); !status) return status.issue();
   const auto entry = referenceAsset(*document, options, *asset_bytes, copies, report);
   if (!entry) return entry.issue();
   const int64_t asset_index = assetIndex(document->json, *entry);
-  Json& material = document->json["materials"][*index];
-  material["extensions"][kExtensionName] = materialExtension(asset_index, options);
-  report.fallback_fitted = options.fit_fallback || !material.contains("pbrMetallicRoughness");
-  if (report.fallback_fitted) material["pbrMetallicRoughness"] = fittedFallback(*asset);
-  declareUsed(document->json);
+  {
+    Json& material = document->json["materials"][*index];
+    material["extensions"][kExtensionName] = materialExtension(asset_index, options, report.scale);
+    report.fallback_fitted = options.fit_fallback || !material.contains("pbrMetallicRoughness");
+    if (report.fallback_fitted && !options.fit_fallback)
+      material["pbrMetallicRoughness"] = fittedFactors(*asset);
+  }
+  declareUsed(document->json, kExtensionName);
+  if (options.fit_fallback)
+    if (const Status status = replaceLook(*document, *index, *asset, options, report.scale); !status)
+      return status.issue();
 
   for (const Copy& copy : copies)
     if (const Status status = copyFile(copy, report); !status) return status.issue();

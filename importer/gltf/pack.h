@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,27 @@ struct PackOptions {
   std::filesystem::path output;  // the same kind of file as `scene`
   bool embed = false;            // into a bufferView; otherwise by uri, beside the output
   int tex_coord = 0;             // TEXCOORD_n that gives x
-  glm::dvec2 scale{1};           // tile periods per unit of texture coordinate
-  double rotation = 0;           // radians, as in KHR_texture_transform
-  bool fit_fallback = false;     // replace an existing pbrMetallicRoughness, too
+  // Tile periods per unit of texture coordinate; none: so many that a period is as long as the next member
+  // says on the material's surfaces.
+  std::optional<glm::dvec2> scale;
+  double period = 0;    // metres along the tile's x; 0: as the asset says, and scale 1 if it does not
+  double rotation = 0;  // radians, as in KHR_texture_transform
+  // Replace all that the material looks like, too: pbrMetallicRoughness and sheen fitted to the asset, its
+  // colours and normals as textures, nothing of what there was.
+  bool fit_fallback = false;
 };
 
 struct PackReport {
   int material = 0;             // index in the scene
   std::string asset_reference;  // uri, or "bufferView N"
   bool fallback_fitted = false;
+  glm::dvec2 scale{1};  // as written
+  // Metres of one tile along its x and y, the median over the material's surfaces; 0: they cannot be
+  // measured.
+  glm::dvec2 period{0};
+  double stretch = 1;  // UvSurvey::Stretch, of the scale as written
+  double stretched_share = 0;
+  std::vector<std::string> remarks;          // what the caller should be told
   std::vector<std::filesystem::path> files;  // written or copied
 };
 

@@ -146,6 +146,7 @@ void setPassState() {
 }  // namespace
 
 struct FrameRenderer::Impl {
+  const Device& device;
   ShaderLibrary& shaders;
   MaterialSystem& materials;
   GpuScene scene;
@@ -436,7 +437,8 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
   auto gpu = uploadScene(scene, device, materials);
   if (!gpu) return gpu.issue();
   if (const Status status = checkUnits(*gpu, device, materials); !status) return status.issue();
-  auto impl = std::unique_ptr<Impl>(new Impl{shaders,
+  auto impl = std::unique_ptr<Impl>(new Impl{device,
+                                             shaders,
                                              materials,
                                              std::move(gpu.value()),
                                              makeFrameUniforms("frame uniforms"),
@@ -455,6 +457,13 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
 
 void FrameRenderer::pose(const Scene& scene, const ScenePose& pose) {
   if (poseScene(scene, pose, impl_->scene)) impl_->shadow_drawn.reset();
+}
+
+Status FrameRenderer::dress(const Scene& scene, const ScenePose& pose) {
+  const GlPixelStateScope scope;
+  if (Status status = dressScene(scene, pose, impl_->materials, impl_->scene); !status) return status;
+  impl_->shadow_drawn.reset();
+  return checkUnits(impl_->scene, impl_->device, impl_->materials);
 }
 
 void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {

@@ -91,6 +91,9 @@ class FrameRenderer {
   // Moves nodes, skins, morph targets, lights and what hangs on them. The scene must be the one that was
   // given to create(), but for its images, which may be gone. Leaves GL state as it was.
   void pose(const Scene& scene, const ScenePose& pose);
+  // Takes over the Loden materials that the scene's materials have by now: other bindings, and assets behind
+  // those that there were. The scene is as for pose(), and so is GL state. Issues of MaterialSystem::load.
+  Status dress(const Scene& scene, const ScenePose& pose);
   // Finds what the view sees and demands its materials. No GL call.
   void prepare(const View& view, const FrameSettings& settings);
   // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of

@@ -13,9 +13,11 @@
 namespace loden::runtime {
 namespace {
 
-Result<std::vector<Asset>> loadAssets(const Scene& scene, MaterialSystem& materials) {
+// Those of the scene's from index `first` on.
+Result<std::vector<Asset>> loadAssets(const Scene& scene, size_t first, MaterialSystem& materials) {
   std::vector<Asset> assets;
-  for (const SceneAsset& asset : scene.assets) {
+  for (size_t i = first; i < scene.assets.size(); ++i) {
+    const SceneAsset& asset = scene.assets[i];
     const bool embedded = asset.path.empty();
     auto id = embedded ? materials.load(std::shared_ptr(memorySource(asset.embedded, asset.name)), asset.name)
                        : materials.load(asset.path);
@@ -36,6 +38,18 @@ const Mesh& meshOf(const Scene& scene, const Instance& instance, const ScenePose
   return own;
 }
 
+// What an object has from its Loden material, or from having none.
+void wearMaterial(const SceneMaterial& material, const Instance& instance, const Mesh& mesh, Object& object) {
+  object.asset = -1;
+  object.periods_per_metre = 1;
+  object.curved = false;
+  if (!material.flat_btf) return;
+  object.asset = material.flat_btf->asset;
+  object.periods_per_metre = uvDensity(mesh, *material.flat_btf, instance.world_from_local);
+  object.curved = object.deformed ||
+                  !isPlain(mesh, *material.flat_btf, instance.world_from_local, object.periods_per_metre);
+}
+
 Object makeObject(const Scene& scene, const Instance& instance, const Mesh& mesh,
                   const BaseMaterials& base_materials) {
   const SceneMaterial material = materialOf(scene, instance);
@@ -50,11 +64,7 @@ Object makeObject(const Scene& scene, const Instance& instance, const Mesh& mesh
   // Of many instances, or of meshes that change, it would take longer than it saves.
   if (!object.double_sided && !object.deformed && instance.node_from_local == glm::mat4(1))
     object.facing = facingCone(mesh, instance.world_from_local);
-  if (!material.flat_btf) return object;
-  object.asset = material.flat_btf->asset;
-  object.periods_per_metre = uvDensity(mesh, *material.flat_btf, instance.world_from_local);
-  object.curved = object.deformed ||
-                  !isPlain(mesh, *material.flat_btf, instance.world_from_local, object.periods_per_metre);
+  wearMaterial(material, instance, mesh, object);
   return object;
 }
 
@@ -181,7 +191,7 @@ bool poseObject(const Scene& scene, const Instance& instance, const ScenePose& p
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials) {
   GpuScene gpu{
       BaseMaterials(scene), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, {}, scene.lights, {}, 0};
-  auto assets = loadAssets(scene, materials);
+  auto assets = loadAssets(scene, 0, materials);
   if (!assets) return assets.issue();
   gpu.assets = std::move(assets.value());
   noteLights(scene, device);
@@ -190,6 +200,22 @@ Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialS
   sortLights(gpu);
   uploadUniforms(scene, gpu);
   return gpu;
+}
+
+Status dressScene(const Scene& scene, const ScenePose& pose, MaterialSystem& materials, GpuScene& gpu) {
+  auto assets = loadAssets(scene, gpu.assets.size(), materials);
+  if (!assets) return assets.issue();
+  for (Asset& asset : *assets) gpu.assets.push_back(std::move(asset));
+  for (size_t i = 0; i < gpu.objects.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    Object& object = gpu.objects[i];
+    Mesh own;
+    const Mesh& mesh = meshOf(scene, instance, pose, own);
+    moveVertices(mesh, bindingOf(scene, instance), gpu.meshes[size_t(object.mesh)]);
+    wearMaterial(materialOf(scene, instance), instance, mesh, object);
+  }
+  uploadUniforms(scene, gpu);
+  return {};
 }
 
 bool poseScene(const Scene& scene, const ScenePose& pose, GpuScene& gpu) {

@@ -77,6 +77,11 @@ struct GpuScene {
 // Uploads meshes and per-object data, opens the assets. Issues of MaterialSystem::load.
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials);
 
+// Takes over the Loden materials that the scene's materials have by now, and opens the assets that are new
+// behind those that there were; the scene must be the one that was uploaded, in this pose. Issues of
+// MaterialSystem::load.
+Status dressScene(const Scene& scene, const ScenePose& pose, MaterialSystem& materials, GpuScene& gpu);
+
 // Moves everything to where the pose has it; the scene must be the one that was uploaded. Tile periods per
 // metre stay those of the uploaded scene. Whether anything moved.
 bool poseScene(const Scene& scene, const ScenePose& pose, GpuScene& gpu);

@@ -82,6 +82,60 @@ TEST(Pack, ByUri_KeepsEverythingElse) {
   EXPECT_EQ(loden({"validate", scratch / "packed.gltf"}).exit_code, 0);
 }
 
+TEST(Pack, ByPeriod_MeasuresTheTextureCoordinates) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun run = packTo(scratch, "packed.gltf", {"--period", "2cm", "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json report = Json::parse(run.out);
+  EXPECT_NEAR(report["period"][0].get<double>(), 0.02, 1e-6);
+  EXPECT_NEAR(report["period"][1].get<double>(), 0.02, 1e-6);
+  EXPECT_NEAR(report["uv_stretch"].get<double>(), 1, 1e-6);
+  const Json packed = Json::parse(fileText(scratch / "packed.gltf"));
+  EXPECT_EQ(packed["materials"][0]["extensions"][kExtension]["scale"], Json({50.0, 50.0}));
+
+  const ToolRun both = packTo(scratch, "b.gltf", {"--period", "2cm", "--scale", "2,2"});
+  EXPECT_EQ(both.exit_code, 1) << both.err;
+  const ToolRun without_unit = packTo(scratch, "c.gltf", {"--period", "2"});
+  EXPECT_EQ(without_unit.exit_code, 1) << without_unit.err;
+}
+
+TEST(Pack, WithoutPeriod_SaysHowLargeATileComesOut) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun run = packTo(scratch, "packed.gltf");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("a tile is 1 m x 1 m"), std::string::npos) << run.out;
+  EXPECT_NE(run.err.find("--period"), std::string::npos) << run.err;
+}
+
+TEST(Pack, FittedFallback_LeavesNothingOfTheOldLook) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun cook =
+      loden({"cook", sharedBake(), "-o", scratch / "surface.loden", "--mode", "surface", "-q"});
+  ASSERT_EQ(cook.exit_code, 0) << cook.err;
+  Json scene = Json::parse(fileText(scratch / "scene.gltf"));
+  scene["materials"][0] = Json::parse(R"({"name": "Cloth", "doubleSided": true, "alphaMode": "BLEND",
+      "emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"metallicFactor": 1},
+      "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}, "VENDOR_thing": {"x": 1}}})");
+  writeText(scratch / "scene.gltf", scene.dump());
+  const ToolRun run =
+      loden({"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", scratch / "surface.loden",
+             "--period", "10cm", "--fit-fallback", "-o", scratch / "packed.gltf"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json packed = Json::parse(fileText(scratch / "packed.gltf"));
+  const Json material = packed["materials"][0];
+  for (const char* gone : {"alphaMode", "emissiveFactor"}) EXPECT_FALSE(material.contains(gone)) << gone;
+  EXPECT_FALSE(material["extensions"].contains("KHR_materials_clearcoat"));
+  EXPECT_TRUE(material["extensions"].contains("VENDOR_thing"));
+  EXPECT_EQ(material["doubleSided"], true);
+  EXPECT_EQ(material["pbrMetallicRoughness"]["metallicFactor"], 0.0);
+  for (const Json& use : {material["pbrMetallicRoughness"]["baseColorTexture"], material["normalTexture"]})
+    EXPECT_EQ(use["extensions"]["KHR_texture_transform"]["scale"], Json({10.0, 10.0}));
+  EXPECT_EQ(loden({"validate", scratch / "packed.gltf"}).exit_code, 0);
+}
+
 TEST(Pack, Twice_SharesTheAsset) {
   const ScratchFolder scratch;
   writeScene(scratch.path());

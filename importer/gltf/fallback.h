@@ -1,0 +1,25 @@
+// What a material looks like to viewers that do not know the extension: core glTF, KHR_materials_sheen and
+// KHR_texture_transform. Not installed.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "material/base/result.h"
+#include "material/model/material.h"
+
+namespace loden::importer {
+
+// pbrMetallicRoughness of factors alone: average colour and gloss.
+nlohmann::ordered_json fittedFactors(const Material& material);
+
+// One period of the tile as it is seen from straight above, and what its factors are then.
+struct FallbackMaps {
+  std::string color_png, normal_png;  // square; the first row lies at x.y = 0. Empty without surface maps
+  glm::vec3 color_factor{1};          // the colour map times this is as bright as the tile on average
+  glm::vec3 sheen{0};                 // KHR_materials_sheen: what grazing views have more
+  float sheen_roughness = 0.5f;
+};
+Result<FallbackMaps> bakeFallback(const Material& material);
+
+}  // namespace loden::importer

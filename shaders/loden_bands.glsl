@@ -1,6 +1,6 @@
 // The sum over bands: w_b(lambda) * dot(D_b(q_b), E_b(wi, wo)). Mirrors material/eval/evaluate.cpp.
 // Fetches per band and light: quads * 3 in grid layout (weights, two trilinear table fetches), quads * 2 in
-// nearest layout, 1 for the ratio layer, and 2 for each quad of a light factor.
+// nearest layout, 1 for the ratio layer.
 
 #ifdef LODEN_BANDS
 
@@ -60,28 +60,6 @@ vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
   return textureLod(loden_weights[band], vec3(q, float(layer)), lod);
 }
 
-#ifdef LODEN_LIGHT_FACTOR
-// Share of the light that reaches the point, 0..1.
-float loden_light_factor(int band, vec2 q, float lod, LodenTablePosition at) {
-  int quads = loden_material.bands[band].light_quads;
-  int first_layer = loden_material.bands[band].light_layer;
-  int first_scale = loden_material.bands[band].y_quads + loden_material.bands[band].chroma_quads;
-  vec2 size = vec2(loden_material.bands[band].light_phis, loden_material.bands[band].light_thetas);
-  vec3 position = vec3(at.light * (size - 1.0) + 0.5, 0.5) / vec3(size, float(quads));
-  float sum = 0.0;
-  int quad = 0;
-  do {
-    LODEN_COUNT(LODEN_UNIT_LIGHT_TABLE, 1);
-    vec4 product = loden_fetch_weights(band, first_layer + quad, q, lod) *
-                   textureLod(loden_light_table, position, 0.0) *
-                   loden_material.bands[band].quad_scale[first_scale + quad];
-    position.z += 1.0 / float(quads);
-    sum += product.x + product.y + product.z + product.w;
-  } while (++quad < quads);
-  return clamp(sum, 0.0, 1.0);
-}
-#endif
-
 // (Y, Cb, Cr) that one band adds at full weight. The loop has a dynamic bound on purpose: renderers that run
 // both sides of every branch still skip iterations.
 vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mean) {
@@ -104,9 +82,6 @@ vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mea
                  loden_material.bands[band].ratio_scale;
     sum.yz += ratio * (sum.x + mean.x) - mean.yz;
   }
-#ifdef LODEN_LIGHT_FACTOR
-  if ((bits & LODEN_BAND_LIGHT) != 0) sum = loden_light_factor(band, q, lod, at) * (mean + sum) - mean;
-#endif
   return sum;
 }
 

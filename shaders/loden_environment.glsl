@@ -1,7 +1,6 @@
 // Light from all around. Mirrors material/model/environment.h and the environment's half of
 // material/eval/evaluate.cpp. Fetches per band: quads * 7 (weights, and one of the table per basis function),
-// and 1 for the ratio layer; about what two lights cost. With a light factor the ambient layer is one quad
-// more.
+// and 1 for the ratio layer; about what two lights cost.
 //
 // Use, once per pixel:
 //   LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(h, frame));
@@ -57,11 +56,6 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
       clamp(hit.lambda - loden_material.bands[band].lambda_first, 0.0, loden_material.bands[band].last_mip);
   int y_quads = loden_material.bands[band].y_quads;
   int quads = y_quads + loden_material.bands[band].chroma_quads;
-#ifdef LODEN_LIGHT_FACTOR
-  int own = quads;  // the ambient layer comes behind, and adds to Y
-  int ambient_layer = loden_material.bands[band].light_layer + loden_material.bands[band].light_quads;
-  quads += (bits & LODEN_BAND_LIGHT) != 0 ? 1 : 0;
-#endif
   vec2 size = loden_material.bands[band].grid.yx;
   vec3 texel_size = 1.0 / vec3(size, LODEN_ENVIRONMENT_BASIS * quads);
   vec3 at = vec3(view * (size - 1.0) + 0.5, 0.5) * texel_size;
@@ -77,13 +71,8 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
       green += light.c[k].g * texel;
       blue += light.c[k].b * texel;
     }
-#ifdef LODEN_LIGHT_FACTOR
-    vec4 weights = loden_fetch_weights(band, quad < own ? quad : ambient_layer, q, lod);
-    bool luminance = quad < y_quads || quad >= own;
-#else
     vec4 weights = loden_fetch_weights(band, quad, q, lod);
     bool luminance = quad < y_quads;
-#endif
     weights *=
         float(quad) < loden_material.bands[band].first_rest ? 1.0 : loden_material.bands[band].rest_share;
     red *= weights;

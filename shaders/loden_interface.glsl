@@ -30,9 +30,6 @@ LODEN_BINDING(LODEN_UNIT_TABLE(LODEN_BANDS)) uniform sampler3D loden_table[LODEN
 LODEN_BINDING(LODEN_UNIT_ENVIRONMENT(LODEN_BANDS))
 uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
 #endif
-#ifdef LODEN_LIGHT_FACTOR
-LODEN_BINDING(LODEN_UNIT_LIGHT_TABLE) uniform sampler3D loden_light_table;  // clamp, linear
-#endif
 #if defined(LODEN_TABLES_NEAREST)
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
 LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;

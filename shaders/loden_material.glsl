@@ -5,7 +5,6 @@
 //   LODEN_NEAR, LODEN_BANDS n (1..LODEN_MAX_BANDS), or both    what the material is
 //   LODEN_VISIBILITY_FAST, _DEFAULT or none of them            cast shadows of the near term, by that lookup
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
-//   LODEN_LIGHT_FACTOR                                         a band has a light factor
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
 //   LODEN_NO_BRANCH, LODEN_ALWAYS_LOOKUP                       evaluates closed windows, finds p where no

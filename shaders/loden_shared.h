@@ -25,7 +25,6 @@
 #define LODEN_UNIT_NEAREST_VIEW 4
 #define LODEN_UNIT_PAPER_REFERENCE 3  // the paper's VDIM and nearest tables never meet in one variant
 #define LODEN_UNIT_PAPER_PACKED 4
-#define LODEN_UNIT_LIGHT_TABLE 4  // nor do these and a light factor
 #define LODEN_UNIT_WEIGHTS 5
 #define LODEN_UNIT_TABLE(bands) (5 + (bands))
 #define LODEN_UNIT_ENVIRONMENT(bands) (5 + 2 * (bands))
@@ -42,7 +41,6 @@
 #define LODEN_BAND_FLAT 1    // weights are read at p, else at x
 #define LODEN_BAND_LINEAR 2  // filtered weights, else nearest
 #define LODEN_BAND_RATIO 4   // one more layer of weights: Cb/Y and Cr/Y
-#define LODEN_BAND_LIGHT 8   // a light factor; of one band at most
 // Bits of LodenMaterialData.bits
 #define LODEN_MEAN_RATIO 1       // the mean's chroma is a multiple of its Y
 #define LODEN_COSINE_INCLUDED 2  // values contain cos(theta_i)
@@ -75,11 +73,7 @@ struct LodenBandData {
   int chroma_quads;
   int ratio_layer;  // of the weights
 
-  int light_thetas, light_phis;  // of the light factor's table
-  int light_quads;
-  int light_layer;  // the first of its weights
-
-  vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y, chroma and light
+  vec4 quad_scale[LODEN_MAX_QUADS];  // per quad of y and chroma
 
   vec2 ratio_scale;
   float rest_share;  // of what quads from first_rest on add, which quad_scale holds already
@@ -124,7 +118,7 @@ struct LodenMaterialData {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LodenBandData) == 16 * (6 + LODEN_MAX_QUADS));
+static_assert(sizeof(LodenBandData) == 16 * (5 + LODEN_MAX_QUADS));
 static_assert(sizeof(LodenMaterialData) ==
               16 * (9 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden

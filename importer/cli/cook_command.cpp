@@ -53,11 +53,6 @@ class CookCommand : public Command {
     options.choice(
         "--visibility", visibility_, {"auto", "none", "fast", "default"},
         "Cast shadows of the surface: none, by the lookup towards the light, or what measures best");
-    options.choice(
-        "--shadows", shadows_, {"joint", "split"},
-        "--near band: cast shadows in the components, or in a map of their own that multiplies them");
-    options.integer("--light-components", cook_.light_components,
-                    "Components of that map; 0: the preset's, or what a goal leaves room for", 0, 32);
     options.integer(
         "--levels", cook_.levels,
         "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
@@ -106,7 +101,6 @@ class CookCommand : public Command {
       cook_.visibility = visibility_ == "fast"      ? Visibility::kFast
                          : visibility_ == "default" ? Visibility::kDefault
                                                     : Visibility::kNone;
-    cook_.shadows = shadows_ == "split" ? Shadows::kSplit : Shadows::kJoint;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
     if (!(cook_.target_rmse >= 0))
@@ -229,18 +223,17 @@ class CookCommand : public Command {
     if (meta["trade"].front().value("surface_side", 0) > 0)
       return printText(nearTradeText(meta["trade"]) + levelsText(material));
     std::string text =
-        "trade, measured with shortened fits (the asset's own error stands above). light: components of the "
-        "light factor; phis: columns of the flat map's direction grid;\n"
+        "trade, measured with shortened fits (the asset's own error stands above). phis: columns of the "
+        "flat map's direction grid;\n"
         "flat x: its texels to one of the reference; geometry: texels per side of the geometry image\n";
-    text += formatted("%12s %6s %5s %6s %5s %9s %12s %10s\n", "Y components", "light", "phis", "flat x",
-                      "bits", "geometry", "bytes", "RMSE of Y");
+    text += formatted("%12s %5s %6s %5s %9s %12s %10s\n", "Y components", "phis", "flat x", "bits",
+                      "geometry", "bytes", "RMSE of Y");
     for (const auto& point : meta["trade"])
       text +=
-          formatted("%12d %6d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0),
-                    point.value("light_components", 0), point.value("phis", 0),
-                    point.value("flat_scale", 0.0), point.value("bits", 0), point.value("geometry_side", 0),
-                    withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
-                    point.value("pareto", false) ? " *" : "");
+          formatted("%12d %5d %6g %5d %9d %12s %10.6f%s\n", point.value("y_components", 0),
+                    point.value("phis", 0), point.value("flat_scale", 0.0), point.value("bits", 0),
+                    point.value("geometry_side", 0), withThousands(point.value("bytes", uint64_t{0})).c_str(),
+                    point.value("rmse_y", 0.0), point.value("pareto", false) ? " *" : "");
     printText(text + levelsText(material));
   }
 
@@ -275,8 +268,7 @@ class CookCommand : public Command {
   }
 
   std::filesystem::path input_, output_;
-  std::string mode_ = "fused", preset_ = "game", shadows_ = "joint", near_ = "surface", visibility_ = "auto",
-              components_, name_;
+  std::string mode_ = "fused", preset_ = "game", near_ = "surface", visibility_ = "auto", components_, name_;
   bool explain_ = false, fix_nonfinite_ = false;
   int crop_ = 0;
   std::shared_ptr<RepairLog> repairs_;

@@ -61,8 +61,6 @@ NamedTextures texturesOf(const Material& material) {
   for (size_t b = 0; b < material.bands.size(); ++b) {
     all.emplace_back("band" + std::to_string(b) + ".weights", &material.bands[b].weights);
     all.emplace_back("band" + std::to_string(b) + ".table", &material.bands[b].table);
-    if (material.bands[b].light_quads > 0)
-      all.emplace_back("band" + std::to_string(b) + ".light_table", &material.bands[b].light_table);
   }
   if (!material.geometry.empty()) all.emplace_back("geometry", &material.geometry.texels);
   if (material.stored_vdim) {

@@ -68,7 +68,6 @@ std::vector<Part> partsOf(const AssetFile& file) {
         partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
     parts.push_back(partOf(name + " table", band.table, 0, lambda));
     parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
-    if (band.light_quads > 0) parts.push_back(partOf(name + " light table", band.light_table, 0, lambda));
     if (band.lead_quads > 0)
       parts.push_back(leadingPart(name + " lead", formatted("%d of %d quads", band.lead_quads, band.quads()),
                                   file.bandStoredBytes(static_cast<int>(b), AssetFile::Share::kFirst),
@@ -101,7 +100,6 @@ Json bandJson(const Band& band, size_t index) {
           {"y_components", band.y_quads * 4},
           {"chroma_quads", band.chroma_quads},
           {"ratio", band.ratio},
-          {"light_components", band.light_quads * 4},
           {"lead_quads", band.lead_quads}};
 }
 
@@ -124,8 +122,7 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
       const int skipped = std::clamp(level - static_cast<int>(band.lambda_first), 0, band.weights.mips - 1);
       const Texture& w = band.weights;
       const uint64_t weights = textureBytes(w) - w.mipOffset(skipped);
-      const uint64_t tables =
-          textureBytes(band.table) + (band.light_quads > 0 ? textureBytes(band.light_table) : 0);
+      const uint64_t tables = textureBytes(band.table);
       bytes.raw += weights + tables;
       bytes.gpu += weights + tables + environmentTableBytes(band);
       if (band.lead_quads > 0) bytes.gpu += gpuBytes(leadOf(band));
@@ -146,8 +143,6 @@ std::string cookedText(const std::string& meta_text) {
     };  // no control character comes through
     std::string text = "\ncooked from " + quoted("input") + ", preset " + quoted("preset") + ", components " +
                        quoted("components");
-    if (const int light = meta.value("light_components", 0); light > 0)
-      text += formatted(", %d of the light factor", light);
     text += "\n";
     if (const auto error = meta.find("error"); error != meta.end())
       text += formatted("RMSE at the sampled directions: Y %.4f, Cb %.4f, Cr %.4f\n",

@@ -29,21 +29,17 @@ Status checkOptions(const CookOptions& o) {
   const bool near = o.mode == Mode::kFused && o.near == Near::kSurface;
   if (o.near == Near::kBand && o.mode != Mode::kFused)
     return refuse("--near band", "has a meaning with --mode fused only");
-  if (o.shadows == Shadows::kSplit && (o.mode != Mode::kFused || near))
-    return refuse("--shadows split", "has a meaning with --mode fused --near band only");
   if (o.visibility && !near && o.mode != Mode::kSurface)
     return refuse("--visibility", "has a meaning with a near term only");
   if (near && chroma)
     return refuse("--components", "has no CB and CR with a near term: its colour is the surface's own");
-  if (o.light_components > 0 && o.shadows != Shadows::kSplit)
-    return refuse("--light-components", "has a meaning with --shadows split only");
   if (o.cb_components != o.cr_components)
     return refuse("--components", "CB and CR must be equal: they share quads of the tables");
-  if ((o.y_components + 3) / 4 + (o.cb_components + 1) / 2 + (o.light_components + 3) / 4 >
-      ShaderLimits::kMaxQuads)
-    return refuse("--components",
-                  "gives more than 16 quads of components, which no shader reads: a quad holds 4 of Y or of "
-                  "the light, or 2 of CB and CR");
+  if ((o.y_components + 3) / 4 + (o.cb_components + 1) / 2 > ShaderLimits::kMaxQuads)
+    return refuse(
+        "--components",
+        "gives more than 16 quads of components, which no shader reads: a quad holds 4 of Y, or 2 of "
+        "CB and CR");
   if (o.mode == Mode::kLod && o.levels > ShaderLimits::kMaxBands)
     return refuse("--levels", "is more than 8, which no shader reads: each is a band");
   if (o.mode == Mode::kFused && o.preset == Preset::kSeed)

@@ -13,12 +13,6 @@ namespace loden::importer {
 
 enum class Preset { kSeed, kGame, kReference };
 
-// Where cast shadows are, in mode fused.
-enum class Shadows {
-  kJoint,  // in the components of the bands
-  kSplit,  // in a light factor of the flat band, a map of its own (FBTF section 5)
-};
-
 // What shows up close, in mode fused.
 enum class Near {
   kSurface,  // what is known of the surface: its reflectance and who sees the light (the near term)
@@ -32,8 +26,6 @@ struct CookOptions {
   Near near = Near::kSurface;
   std::optional<Visibility> visibility = {};  // of the near term; empty: what measures best, kNone in mode
                                               // surface
-  Shadows shadows = Shadows::kJoint;          // of kBand
-  int light_components = 0;                   // of kSplit; 0: the preset's, or what a goal leaves room for
   int levels = 0;                             // 0: the preset's
   uint64_t max_bytes = 0;                     // goal; 0: none. Bytes of all raw data in the file
   double target_rmse = 0;                     // goal on Y, white = 1; 0: none

@@ -10,12 +10,10 @@
 #include "importer/cook/goal.h"
 #include "importer/cook/meta.h"
 #include "importer/cook/modes.h"
-#include "importer/fit/ambient_fit.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/coarse_fit.h"
 #include "importer/fit/flat_fit.h"
 #include "importer/fit/grid_table.h"
-#include "importer/fit/light_factor.h"
 #include "importer/fit/ratio_fit.h"
 #include "importer/tile/charts.h"
 #include "material/eval/evaluate.h"
@@ -55,29 +53,14 @@ struct FusedInput {
   int threads;
 };
 
-// One channel under a light factor: what V times the band's own value has to come to.
-ColumnBlocks factoredBlocks(const FusedInput& in, int channel, const Factors& light, const Indirection& a) {
-  ColumnBlocks b = channelBlocks(in.btf, channel);
-  b.factor = [&light, &a](int v, Matrix& into) { readLightFactor(light, a, v, into); };
-  b.read = [&in, channel, factor = b.factor](int v, Matrix& into) {
-    Matrix lit;
-    factor(v, lit);
-    in.btf.read(channel, v, into);
-    for (int l = 0; l < into.cols; ++l)
-      for (int t = 0; t < into.rows; ++t) into(t, l) -= lit(t, l) * in.mean(v * in.btf.lights() + l, channel);
-  };
-  return b;
-}
-
 // Cb and Cr of the fine band beyond a ratio to the luma that results.
 void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan,
-                   const DirectionGrid& grid, const ColumnBlocks& luma, const ColumnBlocks& like,
-                   FlatFitOptions fit, BandFactors& factors) {
+                   const DirectionGrid& grid, const ColumnBlocks& luma, FlatFitOptions fit,
+                   BandFactors& factors) {
   fit.components = plan.chroma_components;
   fit.sweeps = kChromaSweeps;
   for (const int channel : {1, 2}) {
-    ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
-    rest.factor = like.factor;
+    const ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
     Factors& f = channel == 1 ? factors.cb : factors.cr;
     f.weights = quantisedWeights(fitFlat(rest, a, fit).factors.weights, plan.storage);
     f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(),
@@ -87,23 +70,13 @@ void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& 
 }
 
 // The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored,
-// then chroma as a ratio to the Y that results, and what that leaves where components are given for it; all
-// of it under a light factor if the plan has one, which the geometry image gives.
+// then chroma as a ratio to the Y that results, and what that leaves where components are given for it.
 Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
   const DirectionGrid grid = gridFor(lights, 6, plan.phis);
   BandFactors factors;
   factors.side = flatSide(plan, in.btf.side());
-  const DirectionGrid light_grid = lightFactorGrid(lights);
-  Factors light;  // at the samples
-  if (plan.light_components > 0) {
-    factors.light =
-        fitLightFactor(lightVisibility(in.material.geometry, factors.side, light_grid, in.threads),
-                       plan.light_components, plan.storage, in.threads);
-    light = lightFactorAt(factors.light, light_grid, lights);
-  }
-  const bool factored = plan.light_components > 0;
-  const ColumnBlocks luma = factored ? factoredBlocks(in, 0, light, a) : centredBlocks(in.btf, 0, in.mean);
+  const ColumnBlocks luma = centredBlocks(in.btf, 0, in.mean);
   FlatFitOptions fit;
   fit.components = plan.y_components;
   fit.sweeps = plan.sweeps;
@@ -120,13 +93,11 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
     at_samples.basis = solveBasis(luma, a, weights, in.threads);
     factors.y = at_samples;
   }
-  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a, factored ? &light : nullptr);
+  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a);
   factors.ratio = {fitRatios(in.btf, whole, in.material.mean, a, in.threads)};
-  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, luma, fit, factors);
+  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, fit, factors);
   const int mips = flatMips(plan, factors.side);
-  const PackOptions pack{TableLayout::kGrid, plan.storage, grid, mips, 0, light_grid, fit.owners};
-  Band band = packBand(factors, lights, views, pack);
-  if (factored) storeAmbient(band, ambientWeights(in.material, band, in.threads), pack);
+  Band band = packBand(factors, lights, views, {TableLayout::kGrid, plan.storage, grid, mips, 0, fit.owners});
   band.domain = Domain::kFlat;
   band.lambda_first = kFlatFirst;
   if (hasCoarseBand(plan, in.btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
@@ -289,7 +260,6 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
             coarse_quads = (plan.coarse_y + 3) / 4;
   uint64_t bytes =
       textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
-  const int light_quads = (plan.light_components + 3) / 4;
   if (plan.surface_side > 0) {
     bytes += nearBytes(plan.surface_side, side, hasCoarseBand(plan, side));
     if (hasCoarseBand(plan, side))
@@ -297,13 +267,8 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
                tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
     return bytes;
   }
-  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side),
-                fine_quads + 1 + light_quads + (light_quads > 0 ? 1 : 0)) +
+  bytes += maps(plan.storage, flat_side, flatMips(plan, flat_side), fine_quads + 1) +
            tables(plan.storage, fine_quads, plan.phis);
-  const DirectionGrid light_grid = lightFactorGrid({});
-  if (light_quads > 0)
-    bytes += textureBytes(TexelFormat::kRGBA16Snorm, uint64_t(light_grid.phis), uint64_t(light_grid.thetas),
-                          uint64_t(light_quads), 1);
   if (hasCoarseBand(plan, side))
     bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) +
              tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
@@ -313,8 +278,6 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
 namespace {
 
 constexpr int kTrialSweeps = 2;  // enough to rank candidates
-// Of a light factor and of the shading under it, which is smooth: as many bytes as 20 components alone.
-constexpr int kSplitComponents = 8, kLightComponents = 12;
 
 FusedPlan presetPlan(const CookOptions& options, int surface_side) {
   FusedPlan plan;
@@ -325,10 +288,7 @@ FusedPlan presetPlan(const CookOptions& options, int surface_side) {
     plan.visibility = options.visibility;
     if (options.y_components) plan.coarse_y = options.y_components;
   }
-  if (options.shadows == Shadows::kSplit)
-    plan.y_components = kSplitComponents, plan.light_components = kLightComponents;
   if (options.y_components) plan.y_components = options.y_components;
-  if (options.light_components) plan.light_components = options.light_components;
   plan.chroma_components = options.cb_components;
   plan.levels = options.levels;
   return plan;
@@ -349,10 +309,6 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
     if (!baked) return baked.issue();
     Goal goal{options.max_bytes, options.target_rmse, options.levels};
     goal.surface_side = plan.surface_side;
-    if (options.light_components > 0)
-      goal.light_components = {options.light_components};
-    else if (options.shadows == Shadows::kSplit)
-      goal.light_components = {12, 8, 4};
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())),
                       options.quiet);
     std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image

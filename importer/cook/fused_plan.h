@@ -23,8 +23,6 @@ struct FusedPlan {
   int y_components = 20;                      // of the flat-domain band
   int chroma_components =
       0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
-  int light_components =
-      0;  // of its light factor (fit/light_factor.h); 0: none, shadows are in the other components
   Storage storage = Storage::kSnorm8;  // of the flat-domain band
   double flat_scale = 1;               // flat texels per reference texel, along one side; 1/2, 1, 2
   int phis = 11;                       // columns of its direction grid, the repeated one counted

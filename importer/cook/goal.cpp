@@ -51,7 +51,7 @@ FusedPlan withComponents(FusedPlan plan, int y) {
     return plan;
   }
   plan.y_components = y;
-  plan.coarse_y = y + plan.light_components;
+  plan.coarse_y = y;
   plan.coarse_phis = plan.phis + FusedPlan{}.coarse_phis - FusedPlan{}.phis;
   return plan;
 }
@@ -83,10 +83,7 @@ class Search {
  private:
   std::vector<FusedPlan> plans() const {
     std::vector<FusedPlan> all = structures(geometry_side_, goal_.surface_side);
-    for (const int light : goal_.light_components) {
-      for (FusedPlan& plan : all) plan.levels = goal_.levels, plan.light_components = light;
-      if (fits(withComponents(all.front(), 4))) break;
-    }
+    for (FusedPlan& plan : all) plan.levels = goal_.levels;
     return all;
   }
   FusedPlan smallest() const { return withComponents(plans().front(), 4); }
@@ -124,11 +121,9 @@ class Search {
       if (!finer) return finer.issue();
       return finish(*finer);
     }
-    const FusedPlan least = smallest();
     return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
                  "is too little: the smallest fused asset of this input takes " +
-                     std::to_string(bytes(least)) + " bytes" +
-                     (least.light_components > 0 ? "; without shadows apart (--shadows joint) less" : "")};
+                     std::to_string(bytes(smallest())) + " bytes"};
   }
 
   // For each structure the fewest components that reach the target, unless they already cost more than the

@@ -20,10 +20,6 @@ struct Goal {
   double target_rmse = 0;  // of Y; 0: none
   int levels = 0;  // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level
                    // is read, so it cannot choose them
-  // FusedPlan::light_components of every plan: of these the first that leaves room within max_bytes. More of
-  // them do more for the error than as many bytes of anything else (button at 300k and 600k: 12 before 8
-  // before 4), so that a search among them only takes longer.
-  std::vector<int> light_components{0};
   int surface_side = 0;  // of the baked maps that a near term is made of; 0: plans have a flat-domain band
 };
 

@@ -96,15 +96,13 @@ uint64_t residentBytes(const Material& material) {
 std::string cookMeta(const Material& material, const std::string& input, const std::string& preset,
                      const BtfError* error, const std::vector<TradePoint>& trade,
                      std::span<const AtlasTrial> atlases, const FusedFit* fit) {
-  nlohmann::ordered_json meta = {
-      {"mode", modeName(material.mode)},
-      {"preset", preset},
-      {"input", inputName(input)},
-      {"components", componentsText(material)},
-      {"light_components", material.bands.empty() ? 0 : 4 * material.bands.front().light_quads},
-      {"coefficient_bytes", bandBytes(material)},
-      {"raw_bytes", rawFileBytes(material)},
-      {"gpu_bytes", residentBytes(material)}};
+  nlohmann::ordered_json meta = {{"mode", modeName(material.mode)},
+                                 {"preset", preset},
+                                 {"input", inputName(input)},
+                                 {"components", componentsText(material)},
+                                 {"coefficient_bytes", bandBytes(material)},
+                                 {"raw_bytes", rawFileBytes(material)},
+                                 {"gpu_bytes", residentBytes(material)}};
   if (error) {
     const auto channels = [](const FitError(&channel)[3]) {
       nlohmann::ordered_json json;
@@ -144,7 +142,6 @@ std::string cookMeta(const Material& material, const std::string& input, const s
     meta["trade"].push_back({{"y_components", p.plan.y_components},
                              {"surface_side", p.plan.surface_side},
                              {"coarse_components", p.plan.coarse_y},
-                             {"light_components", p.plan.light_components},
                              {"phis", p.plan.phis},
                              {"flat_scale", p.plan.flat_scale},
                              {"bits", p.plan.storage == Storage::kSnorm16 ? 16 : 8},

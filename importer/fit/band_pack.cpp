@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "importer/fit/grid_table.h"
-#include "importer/fit/light_factor.h"
 #include "importer/fit/ycc_btf.h"
 #include "importer/tile/charts.h"
 #include "material/base/check.h"
@@ -126,41 +125,6 @@ void storeRatio(Band& band, const std::vector<std::vector<glm::dvec2>>& ratio, i
   }
 }
 
-// 16 bits for the table: it is small, and where shadows end hangs on it.
-void storeLightFactor(Band& band, const Factors& light, int side, const PackOptions& options) {
-  const DirectionGrid& g = options.light_grid;
-  band.light_table =
-      Texture::make(TexelFormat::kRGBA16Snorm, TextureShape::kVolume, g.phis, g.thetas, band.light_quads);
-  for (int c = 0; c < light.components(); ++c) {
-    const double weight_scale = scaleOf(light.weights.col(c), options.storage),
-                 table_scale = scaleOf(light.basis.col(c), Storage::kSnorm16);
-    storeWeights(band.weights, band.lightLayer() + c / 4, c % 4, {oneColumn(light.weights.col(c))}, side,
-                 weight_scale, options.owners);
-    for (int row = 0; row < g.thetas; ++row)
-      for (int column = 0; column < g.phis; ++column)
-        storeLane(band.light_table, 0, column, row, c / 4, c % 4,
-                  light.basis(gridDofIndex(g, row, column), c) / table_scale);
-    band.quad_scale[size_t(band.quads() + c / 4)][c % 4] = static_cast<float>(weight_scale * table_scale);
-  }
-}
-
-Factors unpackLightFactor(const Band& band, const DirectionSet& lights) {
-  const DirectionGrid g = lightTableGrid(band, gridFor(lights).theta_max);
-  const int side = band.weights.width, components = 4 * band.light_quads;
-  Matrix table(gridDof(g), components), weights(side * side, components);
-  for (int c = 0; c < components; ++c) {
-    for (int t = 0; t < weights.rows; ++t)
-      weights(t, c) =
-          double(fetchTexel(band.weights, 0, t % side, t / side, band.lightLayer() + c / 4)[c % 4]);
-    for (int row = 0; row < g.thetas; ++row)
-      for (int column = 0; column < g.phis; ++column)
-        table(gridDofIndex(g, row, column), c) =
-            double(fetchTexel(band.light_table, 0, column, row, c / 4)[c % 4]) *
-            double(band.quad_scale[size_t(band.quads() + c / 4)][c % 4]);
-  }
-  return lightFactorAt({std::move(weights), std::move(table)}, g, lights);
-}
-
 }  // namespace
 
 Band packBand(const BandFactors& factors, const DirectionSet& lights, const DirectionSet& views,
@@ -172,8 +136,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
   band.y_quads = (factors.y.components() + 3) / 4;
   band.chroma_quads = (factors.cb.components() + 1) / 2;
   band.ratio = !factors.ratio.empty();
-  band.light_quads = (factors.light.components() + 3) / 4;
-  band.quad_scale.assign(size_t(band.quads() + band.light_quads), glm::vec4(1));
+  band.quad_scale.assign(size_t(band.quads()), glm::vec4(1));
   const TexelFormat format = formatOf(options.storage);
   band.weights = Texture::make(format, TextureShape::kArray2D, factors.side, factors.side,
                                band.layers() + options.spare_layers, options.mips);
@@ -205,14 +168,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
     }
   }
   if (band.ratio) storeRatio(band, factors.ratio, factors.side, options);
-  if (band.light_quads > 0) storeLightFactor(band, factors.light, factors.side, options);
   return band;
-}
-
-void storeAmbient(Band& band, const Matrix& weights, const PackOptions& options) {
-  for (int c = 0; c < 4; ++c)
-    storeWeights(band.weights, band.ambientLayer(), c, {oneColumn(weights.col(c))}, band.weights.width,
-                 scaleOf(weights.col(c), options.storage), options.owners);
 }
 
 namespace {
@@ -257,7 +213,6 @@ BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const Direct
     if (band.layout == TableLayout::kGrid && f.components() > 0)
       f.basis = mapTables(f.basis, gridSampling(grid, lights), gridSampling(grid, views));
   }
-  if (band.light_quads > 0) out.light = unpackLightFactor(band, lights);
   if (band.ratio) out.ratio.emplace_back();
   for (int t = 0; band.ratio && t < out.side * out.side; ++t) {
     const glm::vec4 r =

@@ -15,8 +15,6 @@ namespace loden::importer {
 struct BandFactors {
   int side = 0;
   Factors y, cb, cr;
-  Factors light;  // of a light factor: the basis over the light grid's degrees of freedom; packs with
-                  // PackOptions::light_grid
   bool on_grid = false;
   // Cb/Y and Cr/Y, [mip][texel]; mips that are not given are means of the one before; empty: no ratio layer.
   std::vector<std::vector<glm::dvec2>> ratio;
@@ -33,10 +31,9 @@ TexelFormat formatOf(Storage storage);
 struct PackOptions {
   TableLayout layout = TableLayout::kGrid;
   Storage storage = Storage::kSnorm8;
-  DirectionGrid grid;             // of kGrid
-  int mips = 1;                   // of the weights, by 2 x 2 means
-  int spare_layers = 0;           // zero layers behind the weights
-  DirectionGrid light_grid = {};  // of a light factor's table
+  DirectionGrid grid;    // of kGrid
+  int mips = 1;          // of the weights, by 2 x 2 means
+  int spare_layers = 0;  // zero layers behind the weights
   std::vector<uint16_t> owners =
       {};  // [texel] chart of the weights: mips average inside one (charts.h); empty: one chart
 };
@@ -45,11 +42,8 @@ struct PackOptions {
 Band packBand(const BandFactors& factors, const DirectionSet& lights, const DirectionSet& views,
               const PackOptions& options);
 
-// Stores the four components of the ambient layer of a band with a light factor, side * side x 4.
-void storeAmbient(Band& band, const Matrix& weights, const PackOptions& options);
-
 // A stored band as the evaluator reads it at the sampled directions: mip 0 of the weights and the table at
-// the samples, scales folded into the basis; the light factor's basis is lights x k.
+// the samples, scales folded into the basis.
 BandFactors unpackBand(const Band& band, const DirectionGrid& grid, const DirectionSet& lights,
                        const DirectionSet& views);
 

@@ -15,18 +15,8 @@ namespace loden::importer {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MatrixXd componentPairs(const Eigen::Ref<const MatrixXd>& m) {
-  MatrixXd pairs(m.rows(), m.cols() * (m.cols() + 1) / 2);
-  for (Index i = 0, pair = 0; i < m.cols(); ++i)
-    for (Index j = 0; j <= i; ++j, ++pair) pairs.col(pair) = m.col(i).cwiseProduct(m.col(j));
-  return pairs;
-}
-
 double ViewProducts::error(const MatrixXd& e) const {
-  double fitted = 0;
-  if (grams.empty()) fitted = (gram * e).cwiseProduct(e).sum();
-  for (size_t l = 0; l < grams.size(); ++l) fitted += e.col(Index(l)).dot(grams[l] * e.col(Index(l)));
-  return squares - 2 * e.cwiseProduct(cross).sum() + fitted;
+  return squares - 2 * e.cwiseProduct(cross).sum() + (gram * e).cwiseProduct(e).sum();
 }
 
 ViewProducts viewProducts(const Matrix& seen, const Matrix& block) {
@@ -34,43 +24,6 @@ ViewProducts viewProducts(const Matrix& seen, const Matrix& block) {
   p.gram.noalias() = eigen(seen).transpose() * eigen(seen);
   p.cross.noalias() = eigen(seen).transpose() * eigen(block);
   p.squares = eigen(block).squaredNorm();
-  p.rows = block.rows;
-  return p;
-}
-
-ViewProducts viewProducts(const Matrix& seen, const Matrix& block, const Matrix& factor) {
-  // So many texels decide the few unknowns of a light well enough.
-  constexpr int kEnoughTexels = 1 << 14;
-  constexpr int kRowsAtOnce = 512;  // what is made of them stays in the cache
-  const int step =
-      seen.rows > kEnoughTexels ? seen.rows / kEnoughTexels | 1 : 1;  // odd: not always the same columns
-  ViewProducts p;
-  p.rows = (seen.rows + step - 1) / step;
-  p.cross = MatrixXd::Zero(seen.cols, block.cols);
-  MatrixXd sums = MatrixXd::Zero(
-      block.cols, Index(seen.cols) * (seen.cols + 1) / 2);  // of each light the distinct entries of its gram
-  MatrixXd m(kRowsAtOnce, seen.cols), f(kRowsAtOnce, block.cols), b(kRowsAtOnce, block.cols);
-  for (int first = 0; first < p.rows; first += kRowsAtOnce) {
-    const int count = std::min(kRowsAtOnce, p.rows - first);
-    const auto take = [&](const Matrix& from, MatrixXd& to) {
-      for (int c = 0; c < from.cols; ++c)
-        for (int r = 0; r < kRowsAtOnce; ++r) to(r, c) = r < count ? from((first + r) * step, c) : 0.0;
-    };
-    take(seen, m), take(factor, f), take(block, b);
-    p.squares += b.squaredNorm();
-    b.array() *= f.array();
-    p.cross.noalias() += m.transpose() * b;
-    f.array() *= f.array();
-    sums.noalias() += f.transpose() * componentPairs(m);
-  }
-  p.gram = MatrixXd::Zero(seen.cols, seen.cols);
-  for (int l = 0; l < block.cols; ++l) {
-    MatrixXd gram(seen.cols, seen.cols);
-    for (Index i = 0, pair = 0; i < gram.rows(); ++i)
-      for (Index j = 0; j <= i; ++j, ++pair) gram(i, j) = gram(j, i) = sums(l, pair);
-    p.gram += gram / double(block.cols);
-    p.grams.push_back(std::move(gram));
-  }
   return p;
 }
 
@@ -78,16 +31,7 @@ MatrixXd solveView(const ViewProducts& p) {
   constexpr double kRidge = 1e-9;  // relative; decides the tables of views that see too little
   MatrixXd ridged = p.gram;
   ridged.diagonal().array() += kRidge * p.gram.trace() / double(p.gram.rows()) + 1e-300;
-  if (p.grams.empty()) return ridged.ldlt().solve(p.cross);
-  // A light that reaches few texels is held to what these need at the mean of all lights.
-  constexpr double kFactorRidge = 1e-4;
-  MatrixXd e(p.cross.rows(), p.cross.cols());
-  for (Index l = 0; l < e.cols(); ++l) {
-    ridged = p.grams[size_t(l)];
-    ridged.diagonal().array() += kFactorRidge * p.gram.trace() / double(p.gram.rows()) + 1e-300;
-    e.col(l) = ridged.ldlt().solve(p.cross.col(l));
-  }
-  return e;
+  return ridged.ldlt().solve(p.cross);
 }
 
 namespace {
@@ -99,11 +43,10 @@ std::vector<ViewProducts> allProducts(const ColumnBlocks& b, const Indirection& 
                                       int threads) {
   std::vector<ViewProducts> products(size_t(b.blocks));
   parallelFor(size_t(b.blocks), threads, [&](size_t v) {
-    Matrix block, seen, factor;
+    Matrix block, seen;
     b.read(int(v), block);
     a.apply(int(v), weights, seen);
-    if (b.factor) b.factor(int(v), factor);
-    products[v] = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
+    products[v] = viewProducts(seen, block);
   });
   return products;
 }
@@ -169,9 +112,7 @@ class GridNormal {
     MatrixXd at_samples = sample(table);
     for (size_t v = 0; v < products_.size(); ++v) {
       auto rows = at_samples.middleRows(Index(v) * light_.rows(), light_.rows());
-      const std::vector<MatrixXd>& grams = products_[v].grams;
-      if (grams.empty()) rows = (rows * products_[v].gram).eval();
-      for (size_t l = 0; l < grams.size(); ++l) rows.row(Index(l)) = (rows.row(Index(l)) * grams[l]).eval();
+      rows = (rows * products_[v].gram).eval();
     }
     MatrixXd out = sampleTransposed(at_samples);
     for (Index k = 0; k < table.cols(); ++k) {

@@ -4,7 +4,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "importer/fit/eigen.h"
 #include "importer/fit/reduction.h"
@@ -30,19 +29,17 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
   std::vector<Matrix> right(kReductionBlocks, Matrix(a.flat_texels, k));
   std::vector<double> error(size_t(b.blocks));
   parallelFor(kReductionBlocks, threads, [&](int group) {
-    Matrix block, seen, factor,
+    Matrix block, seen,
         product(
             a.texels,
             k);  // kept from view to view: pages that are new each time cost more than what is done with them
     for (int v = blockBegin(b.blocks, group); v < blockBegin(b.blocks, group + 1); ++v) {
       b.read(v, block);
       a.apply(v, weights, seen);
-      if (b.factor) b.factor(v, factor);
-      const ViewProducts p = b.factor ? viewProducts(seen, block, factor) : viewProducts(seen, block);
+      const ViewProducts p = viewProducts(seen, block);
       const MatrixXd e = solveView(p);
       pass.basis.middleRows(Index(v) * b.block_cols, b.block_cols) = e.transpose();
-      error[size_t(v)] = p.error(e) * double(a.texels) / double(p.rows);
-      if (b.factor) eigen(block).array() *= eigen(factor).array();
+      error[size_t(v)] = p.error(e);
       eigen(product).noalias() = eigen(block) * e.transpose();
       a.addTransposed(v, product, right[size_t(group)]);
     }
@@ -53,132 +50,22 @@ Pass alternate(const ColumnBlocks& b, const Indirection& a, const Matrix& weight
   return pass;
 }
 
-// sum_v A_v^T G_v A_v for data with a factor, whose every texel and view has a G of its own, the k x k matrix
-// of its table under the light that comes there. A view reads four texels beside each other, so the sum ties
-// a flat texel to itself and its eight neighbours alone: it is made once per table, and a step of the
-// gradients does not look at the data.
-class Stencil {
- public:
-  Stencil(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis, int side, int threads)
-      : side_(side),
-        k_(static_cast<int>(basis.cols())),
-        threads_(threads),
-        sums_(size_t(a.flat_texels) * kReach * size_t(pairs())) {
-    const Index lights = basis.rows() / a.views;
-    std::vector<MatrixXd> grams(kViewsAtOnce);
-    for (int first = 0; first < a.views; first += kViewsAtOnce) {
-      const int count = std::min(kViewsAtOnce, a.views - first);
-      parallelFor(size_t(count), threads, [&](size_t i) {
-        Matrix factor;
-        b.factor(first + int(i), factor);
-        const MatrixXd products = componentPairs(basis.middleRows((first + Index(i)) * lights, lights));
-        grams[i].noalias() = products.transpose() * eigen(factor).cwiseAbs2().transpose();  // pairs x texels
-      });
-      const int slices = (pairs() + kSlice - 1) / kSlice;
-      parallelFor(size_t(slices), threads, [&](size_t slice) {
-        const int begin = static_cast<int>(slice) * kSlice, end = std::min(begin + kSlice, pairs());
-        for (int i = 0; i < count; ++i) addView(a, first + i, grams[size_t(i)], begin, end);
-      });
-    }
-  }
-
-  MatrixXd apply(const Matrix& d) const {
-    MatrixXd out(d.rows, d.cols);
-    parallelFor(size_t(side_), threads_, [&](size_t j) {
-      std::vector<double> sum(static_cast<size_t>(k_));
-      for (int i = 0; i < side_; ++i) {
-        const int at = int(j) * side_ + i;
-        std::fill(sum.begin(), sum.end(), 0.0);
-        addProduct(at, 0, d, at, sum);
-        for (int o = 1; o < kReach; ++o) {
-          const glm::ivec2 step(kOffsets[o][0], kOffsets[o][1]);
-          const int before = texel(i - step.x, int(j) - step.y);
-          addProduct(at, o, d, texel(i + step.x, int(j) + step.y), sum);
-          addProduct(before, o, d, before, sum);
-        }
-        for (int c = 0; c < k_; ++c) out(at, c) = sum[size_t(c)];
-      }
-    });
-    return out;
-  }
-
-  MatrixXd diagonal() const {
-    MatrixXd out(Index(side_) * side_, k_);
-    for (int t = 0; t < side_ * side_; ++t)
-      for (int c = 0; c < k_; ++c) out(t, c) = double(block(t, 0)[c * (c + 1) / 2 + c]);
-    return out;
-  }
-
- private:
-  static constexpr int kReach =
-      5;  // itself, and half of the eight: the other half is the same seen from there
-  static constexpr int kOffsets[kReach][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 1}};
-  static constexpr int kViewsAtOnce = 8;
-  static constexpr int kSlice = 8;  // pairs that one task sums
-
-  int pairs() const { return k_ * (k_ + 1) / 2; }
-  int texel(int i, int j) const { return (j + side_) % side_ * side_ + (i + side_) % side_; }
-  const float* block(int t, int offset) const {
-    return sums_.data() + (size_t(t) * kReach + size_t(offset)) * size_t(pairs());
-  }
-
-  // Taps of Indirection: (0, 0), (1, 0), (0, 1), (1, 1) of four texels.
-  void addView(const Indirection& a, int view, const MatrixXd& grams, int begin, int end) {
-    struct Tie {
-      int from, to, offset;
-    };
-    constexpr Tie kTies[] = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {0, 1, 1},
-                             {2, 3, 1}, {0, 2, 2}, {1, 3, 2}, {0, 3, 3}, {1, 2, 4}};
-    for (int x = 0; x < a.texels; ++x) {
-      const Indirection::Taps& t = a.taps[size_t(view) * size_t(a.texels) + size_t(x)];
-      const double* gram = &grams(0, x);
-      for (const Tie& tie : kTies) {
-        const float share = t.weight[tie.from] * t.weight[tie.to];
-        float* sum =
-            sums_.data() + (size_t(t.index[tie.from]) * kReach + size_t(tie.offset)) * size_t(pairs());
-        for (int p = begin; p < end; ++p) sum[p] += share * float(gram[p]);
-      }
-    }
-  }
-
-  // sum += block * row `from` of d.
-  void addProduct(int t, int offset, const Matrix& d, int from, std::vector<double>& sum) const {
-    const float* entry = block(t, offset);
-    for (int i = 0; i < k_; ++i) {
-      for (int j = 0; j < i; ++j, ++entry) {
-        sum[size_t(i)] += double(*entry) * d(from, j);
-        sum[size_t(j)] += double(*entry) * d(from, i);
-      }
-      sum[size_t(i)] += double(*entry++) * d(from, i);
-    }
-  }
-
-  int side_, k_, threads_;
-  std::vector<float> sums_;  // [flat texel][offset][pair]
-};
-
 // sum_v A_v^T A_v D (E_v^T E_v) + smoothness * Laplacian(D): the normal operator of the D step.
 class NormalOperator {
  public:
-  NormalOperator(const ColumnBlocks& b, const Indirection& a, const MatrixXd& basis,
-                 const FlatFitOptions& options)
+  NormalOperator(const Indirection& a, const MatrixXd& basis, const FlatFitOptions& options)
       : a_(a),
         basis_(basis),
         owners_(options.owners),
         side_(static_cast<int>(std::lround(std::sqrt(double(a.flat_texels))))),
         threads_(options.threads) {
-    if (b.factor) {
-      stencil_.emplace(b, a, basis, side_, threads_);
-      diagonal_ = stencil_->diagonal();
-    } else {
-      sumGrams();
-    }
+    sumGrams();
     smoothness_ = options.smoothness * diagonal_.mean();
     diagonal_.array() += 4 * smoothness_ + 1e-12 * diagonal_.maxCoeff() + 1e-300;
   }
 
   MatrixXd apply(const Matrix& d) const {
-    MatrixXd sum = stencil_ ? stencil_->apply(d) : applyGrams(d);
+    MatrixXd sum = applyGrams(d);
     addSmoothness(d, sum);
     return sum;
   }
@@ -239,8 +126,7 @@ class NormalOperator {
   const std::vector<uint16_t>& owners_;
   int side_, threads_;
   double smoothness_ = 0;
-  std::vector<MatrixXd> grams_;     // of each view, without a factor
-  std::optional<Stencil> stencil_;  // with one
+  std::vector<MatrixXd> grams_;  // of each view
   MatrixXd diagonal_;
 };
 
@@ -297,7 +183,7 @@ FlatFit fitFlat(const ColumnBlocks& b, const Indirection& a, const FlatFitOption
   Matrix weights = startWeights(b, a, options.components, options.threads);
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     const Pass pass = alternate(b, a, weights, options.threads);
-    const NormalOperator normal(b, a, pass.basis, options);
+    const NormalOperator normal(a, pass.basis, options);
     solveWeights(normal, pass.right, options.cg_steps, weights);
     weights =
         rotated(weights, pass.basis).weights;  // keeps E near orthonormal, which conditions the next D step

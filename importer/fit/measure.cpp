@@ -4,7 +4,6 @@
 
 #include "importer/fit/band_pack.h"
 #include "importer/fit/eigen.h"
-#include "importer/fit/light_factor.h"
 #include "importer/fit/phong.h"
 #include "importer/fit/reduction.h"
 #include "material/model/color.h"
@@ -63,15 +62,6 @@ void addBand(const DecodedBand& band, const Indirection& a, int view, int side, 
     for (int c = 0; c < 2; ++c) {
       value[c + 1] += eigenCols(seen, c, 1).asDiagonal() * whole;
       value[c + 1].rowwise() -= mean_of_view.col(c + 1).transpose();
-    }
-  }
-  if (band.factors.light.components() > 0) {
-    Matrix factor;
-    readLightFactor(band.factors.light, a, view, factor);
-    for (int c = 0; c < 3; ++c) {
-      value[c].rowwise() += mean_of_view.col(c).transpose();
-      value[c] = value[c].cwiseProduct(eigen(factor));
-      value[c].rowwise() -= mean_of_view.col(c).transpose();
     }
   }
   for (int c = 0; c < 3; ++c) total[c] += value[c];

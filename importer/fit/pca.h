@@ -12,9 +12,6 @@ namespace loden::importer {
 struct ColumnBlocks {
   int rows = 0, blocks = 0, block_cols = 0;
   std::function<void(int block, Matrix& into)> read;
-  // If set, the fits compare its product with their value to the data: a light factor (fit/light_factor.h),
-  // of the block's shape. leadingFactors does not look at it.
-  std::function<void(int block, Matrix& into)> factor = {};
   int cols() const { return blocks * block_cols; }
 };
 ColumnBlocks blocksOf(const Matrix& m);  // one block; `m` must outlive it

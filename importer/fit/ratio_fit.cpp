@@ -2,7 +2,6 @@
 
 #include "importer/fit/band_fit.h"
 #include "importer/fit/eigen.h"
-#include "importer/fit/light_factor.h"
 #include "importer/fit/reduction.h"
 
 namespace loden::importer {
@@ -71,10 +70,9 @@ std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chrom
   return r.data;
 }
 
-ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a,
-                       const Factors* light) {
-  return {btf.texels(), btf.views(), btf.lights(), [&btf, &luma, &mean, &a, light](int v, Matrix& into) {
-            Matrix seen, factor;
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a) {
+  return {btf.texels(), btf.views(), btf.lights(), [&btf, &luma, &mean, &a](int v, Matrix& into) {
+            Matrix seen;
             a.apply(v, luma.weights, seen);
             const Eigen::Index first = Eigen::Index(v) * btf.lights();
             if (into.rows != btf.texels() || into.cols != btf.lights())
@@ -83,9 +81,6 @@ ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mea
                 eigen(seen) * eigen(luma.basis).middleRows(first, btf.lights()).transpose();
             eigen(into).rowwise() += eigen(mean).col(0).segment(first, btf.lights()).transpose();
             eigen(into) = eigen(into).cwiseMax(0.0);
-            if (!light) return;
-            readLightFactor(*light, a, v, factor);
-            eigen(into) = eigen(into).cwiseProduct(eigen(factor));
           }};
 }
 

@@ -17,9 +17,8 @@ std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chrom
                              double start, int threads);
 
 // The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` as sampleMean gives
-// it. All must outlive it. With a light factor (lights x k at the samples) the product.
-ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a,
-                       const Factors* light = nullptr);
+// it. All must outlive it.
+ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a);
 
 // (Cb/Y, Cr/Y) per flat texel for the luma that the asset gives.
 std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong,

@@ -1,5 +1,5 @@
-// What keeps the mean Lab distance of a fused asset where it is: the lookup, the number of components, the
-// chroma, or how cast shadows are held. All rows are of flat maps with as many texels as the BTF has unless
+// What keeps the mean Lab distance of a fused asset where it is: the lookup, the number of components, or
+// the chroma. All rows are of flat maps with as many texels as the BTF has unless
 // they say otherwise, free tables at the sampled directions, nothing quantised.
 //
 // flat-btf       the Flat-BTF as baked, not compressed, read through the lookup: what any factorisation of it
@@ -9,8 +9,6 @@
 // luma-exact     the same with the BTF's own Y: what the chroma ratio alone costs.
 // chroma-exact   the same with the BTF's own chroma ratio at every sample: what luma alone costs.
 // shared-tables  the same plus, for Cb and Cr, tables over the weights of Y for what the ratio leaves.
-// light-factor   the band as cooked with --shadows split, stored in 8 bits: its components are those of Y +
-// of the factor.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -208,31 +206,6 @@ Status addTile(const StudyOptions& options, const std::string& tile, StudyRows& 
     const Indirection a = makeIndirection(btf.side(), btf.side(), views, way.find, options.threads);
     for (const int k : kComponents)
       if (k <= btf.texels() && (way.all || k == kTakenApart)) addComponents(to, way.name, a, k);
-  }
-  struct Split {
-    int y, chroma, light;
-  };
-  for (const Split& s : {Split{8, 0, 8}, Split{8, 2, 8}, Split{8, 4, 8}, Split{12, 8, 16}}) {
-    FusedPlan plan;
-    plan.y_components = s.y;
-    plan.chroma_components = s.chroma;
-    plan.light_components = s.light;
-    plan.coarse_y = 0;
-    const FusedFit fit = fitFused(source, btf, *geometry, plan, options.threads, kLabEvery);
-    rows.emplace_back();
-    const std::string chroma = std::to_string(s.chroma);
-    rows.back()
-        .set("tile", tile)
-        .set("size", btf.side())
-        .set("what", "light-factor")
-        .set("lookup", "default");
-    rows.back().set("components",
-                    std::to_string(s.y) + "," + chroma + "," + chroma + " x " + std::to_string(s.light));
-    rows.back()
-        .set("lab_mean", fit.error.lab.mean())
-        .set("lab_black", fit.error.lab.blackMean())
-        .set("lab_lit", fit.error.lab.litMean());
-    rows.back().set("rmse_y", fit.error.channel[0].rmse());
   }
   return {};
 }

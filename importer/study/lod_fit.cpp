@@ -25,10 +25,8 @@ namespace {
 
 constexpr int kReferenceSteps[] = {1, 2, 4, 8, 12, 16, 24};  // Y components, nested: one fit serves all
 constexpr int kFusedSteps[] = {4, 8, 12, 16, 20, 28};        // one joint fit each
-constexpr FusedPlan kSplit{
-    .y_components = 8, .chroma_components = 2, .light_components = 8};  // --shadows split
-constexpr int kUnsampled = 20000;                                       // random (texel, light, view)
-constexpr int kSubsamples = 4;                                          // per texel side, of the traced truth
+constexpr int kUnsampled = 20000;                            // random (texel, light, view)
+constexpr int kSubsamples = 4;                               // per texel side, of the traced truth
 
 // A pair of directions between the samples, and what the traced tile shows over one texel.
 struct Unsampled {
@@ -122,8 +120,6 @@ StudyRow errorRow(const RowContext& context, const Material& m, int y, const Dro
   for (const Band& band : m.bands) coefficients += band.bytes();
   const int chroma = m.bands.empty() ? 0 : 2 * m.bands.front().chroma_quads;
   std::string counts = std::to_string(y) + "," + std::to_string(chroma) + "," + std::to_string(chroma);
-  if (!m.bands.empty() && m.bands.front().light_quads > 0)
-    counts += " x " + std::to_string(4 * m.bands.front().light_quads);
   StudyRow row;
   row.set("tile", context.data.name).set("size", context.data.btf.side()).set("mode", modeName(m.mode));
   row.set("preset", context.preset)
@@ -188,7 +184,6 @@ Status addFusedRows(const StudyOptions& options, const StudyTile& data,
     plan.y_components = y;
     if (const Status s = add(plan, "game", usual); !s) return s;
   }
-  if (const Status s = add(kSplit, "split", true); !s) return s;
   return add(smallestPlan(data.baked.manifest().geometry_size), "smallest", false);
 }
 
@@ -196,8 +191,7 @@ Status addFusedRows(const StudyOptions& options, const StudyTile& data,
 Status writePlots(const StudyRows& rows, const std::filesystem::path& folder) {
   const auto series = [](const StudyRow& row) -> std::string {
     const auto text = [&](const char* key) { return std::get<std::string>(*row.find(key)); };
-    if (text("directions") != "sampled" || text("preset") == "smallest" || text("preset") == "split")
-      return {};
+    if (text("directions") != "sampled" || text("preset") == "smallest") return {};
     return text("mode") == "fused"    ? "fused"
            : text("preset") == "seed" ? "lod, as published"
                                       : "lod, one basis, 8 bit";

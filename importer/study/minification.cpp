@@ -77,10 +77,6 @@ Result<std::vector<Candidate>> candidates(const StudyOptions& options, const Stu
   all.push_back({"fused", fitFused(*tile.source, tile.btf, *geometry, plan, options.threads).material});
   const Material fused = all.back().material;
   all.push_back({"fused-point", fused, true});
-  const FusedPlan split{.y_components = 8, .chroma_components = 2, .light_components = 8};  // --shadows split
-  all.push_back(
-      {"fused-split", fitFused(*tile.source, tile.btf, *geometry, split, options.threads).material});
-  all.push_back({"fused-split-point", all.back().material, true});
   // What streaming shows first: the coarse band's leading part, and before that the mean.
   all.push_back({"fused-lead", fused});
   all.back().material.bands.back() = leadOf(fused.bands.back());

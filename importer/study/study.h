@@ -89,7 +89,6 @@ Result<StudyRows> studyViewCoherence(const StudyOptions& options);
 Result<StudyRows> studyAbrdfSize(const StudyOptions& options);
 Result<StudyRows> studyLodFit(const StudyOptions& options);
 Result<StudyRows> studyMinification(const StudyOptions& options);
-Result<StudyRows> studyShadowSplit(const StudyOptions& options);
 Result<StudyRows> studyLabBounds(const StudyOptions& options);
 
 }  // namespace loden::importer

@@ -16,10 +16,7 @@ constexpr Study kStudies[] = {
     {"lod-fit", "error per channel against components, mode and bytes (LBTF table 1, figure 6)", studyLodFit},
     {"minification", "the value at lambda 0 to 6 against the area-averaged truth (LBTF figure 7)",
      studyMinification},
-    {"shadow-split", "cast shadows as a map of their own against one appearance with them (FBTF section 5)",
-     studyShadowSplit},
-    {"lab-bounds", "what keeps the mean Lab distance up: lookup, components, chroma, shadows",
-     studyLabBounds},
+    {"lab-bounds", "what keeps the mean Lab distance up: lookup, components, chroma", studyLabBounds},
 };
 
 }  // namespace

@@ -169,8 +169,7 @@ class MaterialCheck {
                       join("HEAD, band ", i), "a finer band stands behind a coarser one");
     }
     const bool quads_fit = within(band.y_quads, 0, Limits::kMaxQuads) &&
-                           within(band.chroma_quads, 0, Limits::kMaxQuads) && band.quads() > 0 &&
-                           within(band.light_quads, 0, Limits::kMaxQuads);
+                           within(band.chroma_quads, 0, Limits::kMaxQuads) && band.quads() > 0;
     require(quads_fit, "the numbers of quads are not in 0..", Limits::kMaxQuads,
             ", or none is of Y or chroma");
     for (const glm::vec4& scale : band.quad_scale) checkScale(scale, i, "quad_scale");
@@ -178,14 +177,10 @@ class MaterialCheck {
     if (!quads_fit) return;
     require(within(band.lead_quads, 0, std::min(band.y_quads, band.quads() - 1)), "lead_quads ",
             band.lead_quads, " is more than y_quads, or leaves no rest");
-    require(band.lead_quads == 0 || band.light_quads == 0, "lead_quads ", band.lead_quads,
-            " of a band with a light factor");
-    const int scaled = band.quads() + band.light_quads;
-    require(band.quad_scale.size() == static_cast<size_t>(scaled), band.quad_scale.size(), " scales for ",
-            scaled, " quads");
+    require(band.quad_scale.size() == static_cast<size_t>(band.quads()), band.quad_scale.size(),
+            " scales for ", band.quads(), " quads");
     checkWeights(band, join("HEAD, band ", i, ", weights"));
     checkTable(band, join("HEAD, band ", i, ", table"));
-    if (band.light_quads > 0) checkLightTable(band, join("HEAD, band ", i, ", light table"));
   }
 
   void checkScale(const glm::vec4& value, size_t band, const char* field) {
@@ -220,18 +215,6 @@ class MaterialCheck {
     issues_.require(table.width == x && table.height == y && table.depth == z, kBandField, place, "extents ",
                     table.width, " x ", table.height, " x ", table.depth,
                     "; the layout and the directions need ", x, " x ", y, " x ", z);
-  }
-
-  void checkLightTable(const Band& band, const std::string& place) {
-    const Texture& table = band.light_table;
-    checkBandFormat(table, place);
-    checkExtents(table, TextureShape::kVolume, kBandField, place);
-    issues_.require(band.layout == TableLayout::kGrid, kBandField, place,
-                    "only a band of layout grid has a light factor");
-    issues_.require(within(table.height, 2, Limits::kMaxGridSide) &&
-                        within(table.width, 2, Limits::kMaxGridSide) && table.depth == band.light_quads,
-                    kBandField, place, "extents ", table.width, " x ", table.height, " x ", table.depth,
-                    "; needed are 2..", Limits::kMaxGridSide, " twice, and ", band.light_quads);
   }
 
   void checkBandFormat(const Texture& texture, const std::string& place) {

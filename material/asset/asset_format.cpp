@@ -29,7 +29,6 @@ auto texturesOf(MaterialType& material, const Part& part) {
   if (part.type == kBand) {
     auto& band = material.bands[part.band];
     textures = {&band.weights, &band.table};
-    if (band.light_quads > 0) textures.push_back(&band.light_table);
   } else if (part.type == kGeom) {
     textures = {&material.geometry.texels};
   } else if (part.type == kVdim) {

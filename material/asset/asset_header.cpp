@@ -35,16 +35,11 @@ void writeBand(ByteWriter& out, const Band& band) {
   out.u32(static_cast<uint32_t>(band.chroma_quads));
   out.u32(band.ratio ? 1 : 0);
   out.u32(static_cast<uint32_t>(band.lead_quads));
-  out.u32(static_cast<uint32_t>(band.light_quads));
   const Texture &weights = band.weights, &table = band.table;
   out.u32(static_cast<uint32_t>(weights.format));
   for (const int extent : {weights.width, weights.height, weights.depth, weights.mips}) out.u32(extent);
   out.u32(static_cast<uint32_t>(table.format));
   for (const int extent : {table.width, table.height, table.depth}) out.u32(extent);
-  if (const Texture& light = band.light_table; band.light_quads > 0) {
-    out.u32(static_cast<uint32_t>(light.format));
-    for (const int extent : {light.width, light.height, light.depth}) out.u32(extent);
-  }
   writeVec4(out, band.ratio_scale);
   for (const glm::vec4& scale : band.quad_scale) writeVec4(out, scale);
 }
@@ -210,20 +205,17 @@ class HeaderReader {
     band.chroma_quads = static_cast<int>(chroma_quads);
     band.ratio = boolean("ratio");
     band.lead_quads = integer();
-    const uint32_t light_quads = count(Limits::kMaxQuads, sizeof(glm::vec4), "light_quads");
-    band.light_quads = static_cast<int>(light_quads);
     band.weights = readTexture(TextureShape::kArray2D);
     band.table = readTexture(TextureShape::kVolume);
-    if (light_quads > 0) band.light_table = readTexture(TextureShape::kVolume);
     band.ratio_scale = readVec4();
-    band.quad_scale.resize(y_quads + chroma_quads + light_quads);
+    band.quad_scale.resize(y_quads + chroma_quads);
     for (glm::vec4& scale : band.quad_scale) scale = readVec4();
     return band;
   }
 
   // The record has the coarsest first, the material the finest.
   void readBands(Material& material) {
-    constexpr size_t kLeastBandBytes = 104;
+    constexpr size_t kLeastBandBytes = 100;
     material.bands.resize(count(Limits::kMaxBands, kLeastBandBytes, "bands"));
     for (auto band = material.bands.rbegin(); band != material.bands.rend(); ++band) *band = readBand();
   }

@@ -10,9 +10,6 @@ namespace loden {
 namespace {
 
 constexpr int kTableRows = 64, kMeanRows = 32;  // of quadratures
-constexpr int kFactorRows = 12,
-              kFactorTexels =
-                  16;  // of a light factor: quadrature, and texels along a side that it is fitted to
 
 using Basis = std::array<double, kEnvironmentBasis>;
 
@@ -70,142 +67,6 @@ std::vector<glm::dvec4> integrals(const Material& material, const Band& band, co
   return sums;
 }
 
-// A band with a light factor adds V (mu + B) - mu, a product of two sums of weights. What light from all
-// around makes of it is given as a sum over the weights of its quads and of its ambient layer: the best one,
-// by least squares over texels of the band itself.
-class FactorIntegrals {
- public:
-  FactorIntegrals(const Material& material, const Band& band)
-      : m_(material), band_(band), lights_(lightQuadrature(material, kFactorRows)) {
-    for (LightSample& light : lights_)
-      light.direction = clampTheta(light.direction, double(material.theta_max));
-    const int side = std::min(kFactorTexels, band.weights.width);
-    for (int t = 0; t < side * side; ++t) addTexel((glm::vec2(t % side, t / side) + 0.5f) / float(side));
-    for (std::vector<double>* gram : {&y_gram_, &cb_gram_, &cr_gram_}) factorise(*gram);
-  }
-
-  // T_k at one view; index quad * kEnvironmentBasis + k, the ambient layer last.
-  std::vector<glm::dvec4> at(const glm::vec3& view) const {
-    std::vector<glm::dvec4> result(size_t(kEnvironmentBasis) * size_t(band_.quads() + 1), glm::dvec4(0));
-    const int y = 4 * band_.y_quads, all = y + 4, chroma = 2 * band_.chroma_quads;
-    const std::vector<double> table = tableAt(view);
-    std::array<std::vector<double>, kEnvironmentBasis> luma, cb, cr;
-    for (int k = 0; k < kEnvironmentBasis; ++k)
-      luma[k].assign(size_t(all), 0), cb[k].assign(size_t(chroma), 0), cr[k] = cb[k];
-    for (const Texel& texel : texels_) {
-      std::array<glm::dvec3, kEnvironmentBasis> target{};
-      for (size_t l = 0; l < lights_.size(); ++l) {
-        const glm::dvec3 value =
-            valueAt(texel, &table[l * size_t(4 * band_.quads() + 1)], texel.factor[l]) * lights_[l].measure;
-        for (int k = 0; k < kEnvironmentBasis; ++k) target[k] += lights_[l].basis[k] * value;
-      }
-      for (int k = 0; k < kEnvironmentBasis; ++k) {
-        for (int c = 0; c < all; ++c) luma[k][c] += texel.luma[c] * target[k].x;
-        for (int c = 0; c < chroma; ++c)
-          cb[k][c] += texel.cb[c] * target[k].y, cr[k][c] += texel.cr[c] * target[k].z;
-      }
-    }
-    for (int k = 0; k < kEnvironmentBasis; ++k) {
-      solve(y_gram_, luma[k]), solve(cb_gram_, cb[k]), solve(cr_gram_, cr[k]);
-      const auto quad = [&](int q) -> glm::dvec4& { return result[size_t(q) * kEnvironmentBasis + k]; };
-      for (int c = 0; c < all; ++c) quad(c < y ? c / 4 : band_.quads())[c % 4] = luma[k][c];
-      for (int c = 0; c < chroma; ++c)
-        quad(band_.y_quads + c / 2)[c % 2] = cb[k][c], quad(band_.y_quads + c / 2)[2 + c % 2] = cr[k][c];
-    }
-    return result;
-  }
-
- private:
-  struct Texel {
-    std::vector<double> luma, cb, cr;  // weights as stored: of Y, then of the ambient layer; of Cb; of Cr
-    std::vector<double> factor;        // V per light
-  };
-
-  void addTexel(const glm::vec2& q) {
-    Texel texel;
-    const auto layer = [&](int l) { return glm::dvec4(sampleRepeatLod(band_.weights, 0.0f, l, q)); };
-    for (int k = 0; k <= band_.y_quads; ++k)
-      for (int c = 0; c < 4; ++c)
-        texel.luma.push_back(layer(k < band_.y_quads ? k : band_.ambientLayer())[c]);
-    for (int k = band_.y_quads; k < band_.quads(); ++k)
-      for (int c = 0; c < 2; ++c) texel.cb.push_back(layer(k)[c]), texel.cr.push_back(layer(k)[2 + c]);
-    for (const LightSample& light : lights_)
-      texel.factor.push_back(double(lightFactorAt(m_, band_, q, glm::vec3(light.direction))));
-    addOuter(y_gram_, texel.luma), addOuter(cb_gram_, texel.cb), addOuter(cr_gram_, texel.cr);
-    texels_.push_back(std::move(texel));
-  }
-
-  // Per light the scaled table of all quads, and the mean's Y.
-  std::vector<double> tableAt(const glm::vec3& view) const {
-    std::vector<double> table;
-    for (const LightSample& light : lights_) {
-      for (int quad = 0; quad < band_.quads(); ++quad) {
-        const glm::vec4 value =
-            tableValue(m_, band_, quad, glm::vec3(light.direction), view) * band_.quad_scale[size_t(quad)];
-        for (int c = 0; c < 4; ++c) table.push_back(double(value[c]));
-      }
-      table.push_back(evaluateMean(m_.mean, light.direction, glm::dvec3(view)).x);
-    }
-    return table;
-  }
-
-  // Y of V (mu + B) - mu, and what the chroma quads add; `table` of one light.
-  glm::dvec3 valueAt(const Texel& texel, const double* table, double factor) const {
-    glm::dvec3 sum(0);
-    const int y = 4 * band_.y_quads;
-    for (int c = 0; c < y; ++c) sum.x += texel.luma[size_t(c)] * table[c];
-    for (int c = 0; c < 2 * band_.chroma_quads; ++c) {
-      const double* quad = table + y + c / 2 * 4 + c % 2;
-      sum.y += texel.cb[size_t(c)] * quad[0], sum.z += texel.cr[size_t(c)] * quad[2];
-    }
-    const double mean = table[4 * band_.quads()];
-    return factor * glm::dvec3(std::max(sum.x + mean, 0.0), sum.y, sum.z) -
-           glm::dvec3(mean, 0, 0);  // no light below zero
-  }
-
-  static void addOuter(std::vector<double>& gram, const std::vector<double>& v) {
-    const size_t n = v.size();
-    gram.resize(n * n);
-    for (size_t i = 0; i < n; ++i)
-      for (size_t j = 0; j < n; ++j) gram[i * n + j] += v[i] * v[j];
-  }
-
-  // Cholesky in place, of the slightly ridged matrix: components of no weight at all get none here either.
-  static void factorise(std::vector<double>& a) {
-    const auto n = static_cast<size_t>(std::lround(std::sqrt(double(a.size()))));
-    double trace = 0;
-    for (size_t i = 0; i < n; ++i) trace += a[i * n + i];
-    for (size_t i = 0; i < n; ++i) a[i * n + i] += 1e-4 * trace / double(n) + 1e-30;
-    for (size_t j = 0; j < n; ++j)
-      for (size_t i = j; i < n; ++i) {
-        double sum = a[i * n + j];
-        for (size_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
-        a[i * n + j] = i == j ? std::sqrt(sum) : sum / a[j * n + j];
-      }
-  }
-  static void solve(const std::vector<double>& l, std::vector<double>& x) {
-    const size_t n = x.size();
-    for (size_t i = 0; i < n; ++i) {
-      for (size_t k = 0; k < i; ++k) x[i] -= l[i * n + k] * x[k];
-      x[i] /= l[i * n + i];
-    }
-    for (size_t i = n; i-- > 0;) {
-      for (size_t k = i + 1; k < n; ++k) x[i] -= l[k * n + i] * x[k];
-      x[i] /= l[i * n + i];
-    }
-  }
-
-  const Material& m_;
-  const Band& band_;
-  std::vector<LightSample> lights_;
-  std::vector<Texel> texels_;
-  std::vector<double> y_gram_, cb_gram_, cr_gram_;
-};
-
-int environmentQuads(const Band& band) {
-  return band.quads() + (band.light_quads > 0 ? 1 : 0);
-}
-
 }  // namespace
 
 std::vector<LightSample> lightQuadrature(const Material& material, int rows) {
@@ -228,23 +89,14 @@ DirectionGrid environmentGrid(const Band& band, float theta_max) {
 uint64_t environmentTableBytes(const Band& band) {
   const DirectionGrid views = environmentGrid(band, 0);
   return textureBytes(TexelFormat::kRGBA16Sfloat, uint64_t(views.phis), uint64_t(views.thetas),
-                      uint64_t(kEnvironmentBasis) * uint64_t(environmentQuads(band)), 1);
+                      uint64_t(kEnvironmentBasis) * uint64_t(band.quads()), 1);
 }
 
 Texture environmentTable(const Material& material, const Band& band) {
   const DirectionGrid lights = lightGrid(band, material.theta_max),
                       views = environmentGrid(band, material.theta_max);
   Texture table = Texture::make(TexelFormat::kRGBA16Sfloat, TextureShape::kVolume, views.phis, views.thetas,
-                                kEnvironmentBasis * environmentQuads(band));
-  if (band.light_quads > 0) {
-    const FactorIntegrals factor(material, band);
-    for (int theta = 0; theta < views.thetas; ++theta)
-      for (int phi = 0; phi < views.phis; ++phi) {
-        const std::vector<glm::dvec4> sums = factor.at(gridDirection(views, theta, phi));
-        for (size_t z = 0; z < sums.size(); ++z) storeTexel(table, 0, phi, theta, int(z), glm::vec4(sums[z]));
-      }
-    return table;
-  }
+                                kEnvironmentBasis * band.quads());
   const std::vector<Basis> weights = nodeWeights(material, lights);
   for (int theta = 0; theta < views.thetas; ++theta)
     for (int phi = 0; phi < views.phis; ++phi) {

@@ -58,22 +58,6 @@ V4<T> fetchWeights(const Band& band, int layer, V2<T> q, T lambda) {
   return sampleRepeatLod(band.weights, lod, layer, q);
 }
 
-// Share of the light that reaches the point. Mirrors loden_light_factor.
-template <class T>
-T lightFactor(const Band& band, float theta_max, const Hit<T>& hit, const V2<T>& q,
-              const TablePosition<T>& at) {
-  const DirectionGrid grid = lightTableGrid(band, theta_max);
-  const V2<T> texel = at.light * V2<T>(grid.phis - 1, grid.thetas - 1) + T(0.5);
-  T sum = 0;
-  for (int quad = 0; quad < band.light_quads; ++quad) {
-    const V4<T> product = fetchWeights(band, band.lightLayer() + quad, q, hit.lambda) *
-                          sampleVolume(band.light_table, V3<T>(texel, T(quad) + T(0.5))) *
-                          V4<T>(band.quad_scale[band.quads() + quad]);
-    sum += product.x + product.y + product.z + product.w;
-  }
-  return std::clamp(sum, T(0), T(1));
-}
-
 // (Y, Cb, Cr) that one band adds at full weight.
 template <class T>
 V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const TablePosition<T>& at,
@@ -94,7 +78,7 @@ V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const T
     sum.y += ratio.x * (sum.x + mean.x) - mean.y;
     sum.z += ratio.y * (sum.x + mean.x) - mean.z;
   }
-  return band.light_quads > 0 ? lightFactor(band, theta_max, hit, q, at) * (mean + sum) - mean : sum;
+  return sum;
 }
 
 // Light of one colour channel per column; rows are Y, Cb, Cr.
@@ -128,9 +112,7 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
                                        const ColorMatrix<T>& mean) {
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   ColorMatrix<T> sum(0);
-  // With a light factor the ambient layer comes behind the quads, and adds to Y.
-  for (int quad = 0; quad < band.quads() + (band.light_quads > 0 ? 1 : 0); ++quad) {
-    const bool ambient = quad >= band.quads();
+  for (int quad = 0; quad < band.quads(); ++quad) {
     std::array<V4<T>, 3> scattered{V4<T>(0), V4<T>(0), V4<T>(0)};
     for (int k = 0; k < kEnvironmentBasis; ++k) {
       const T slice = T(quad * kEnvironmentBasis + k) + T(0.5);
@@ -138,11 +120,11 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
           table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
       for (int c = 0; c < 3; ++c) scattered[c] += T(light.c[k][c]) * texel;
     }
-    const V4<T> weights = fetchWeights(band, ambient ? band.ambientLayer() : quad, q, hit.lambda);
+    const V4<T> weights = fetchWeights(band, quad, q, hit.lambda);
     for (int c = 0; c < 3; ++c) {
       const V4<T> product = weights * scattered[c];
       const V2<T> halves(product.x + product.y, product.z + product.w);
-      sum[c] += quad < band.y_quads || ambient ? V3<T>(halves.x + halves.y, 0, 0) : V3<T>(0, halves);
+      sum[c] += quad < band.y_quads ? V3<T>(halves.x + halves.y, 0, 0) : V3<T>(0, halves);
     }
   }
   if (band.ratio) {
@@ -333,15 +315,6 @@ glm::vec<3, T> Evaluator::evaluateEnvironment(const Hit<T>& hit, const Hemispher
   return shown +
          (T(1) - near) *
              glm::max(V3<T>(rgbFromYcc(ycc[0]).x, rgbFromYcc(ycc[1]).y, rgbFromYcc(ycc[2]).z), V3<T>(0));
-}
-
-float lightFactorAt(const Material& material, const Band& band, const glm::vec2& p, const glm::vec3& wi) {
-  Hit<float> hit;
-  hit.x = hit.p = p;
-  hit.lambda = band.lambda_first;
-  TablePosition<float> at;
-  at.light = gridPosition(clampTheta(wi, material.theta_max), material.theta_max);
-  return lightFactor(band, material.theta_max, hit, p, at);
 }
 
 glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi,

@@ -103,7 +103,4 @@ class Evaluator {
 glm::vec4 tableValue(const Material& material, const Band& band, int quad, const glm::vec3& wi,
                      const glm::vec3& wo);
 
-// The light factor of a band that has one, at its weights' finest level; 0..1.
-float lightFactorAt(const Material& material, const Band& band, const glm::vec2& q, const glm::vec3& wi);
-
 }  // namespace loden

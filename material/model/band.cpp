@@ -20,8 +20,4 @@ DirectionGrid tableGrid(const Band& band, float theta_max) {
           theta_max};
 }
 
-DirectionGrid lightTableGrid(const Band& band, float theta_max) {
-  return {band.light_table.height, band.light_table.width, theta_max};
-}
-
 }  // namespace loden

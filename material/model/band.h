@@ -40,12 +40,7 @@ struct DirectionGrid {
 
 // Components travel in quads of four. Quads 0 .. y_quads-1 hold four Y components each; then chroma_quads,
 // each with two Cb components in xy and two Cr components in zw; then, if ratio, one layer of weights only
-// whose rg are Cb/Y and Cr/Y of the whole value: the band then adds ratio * (Y_b + mu.Y) - mu.C to C; then
-// light_quads layers of weights for the light factor V = clamp(dot(D, E(wi)), 0, 1), the share of the light
-// wi that reaches the point (FBTF section 5: shadows apart from shading), with a table of its own that knows
-// the light alone. A band that has one adds V * (mu + B) - mu in place of B. Behind these layers it has one
-// more, the ambient one: four components that change over p as what light from all around makes of the band
-// does (environmentTable).
+// whose rg are Cb/Y and Cr/Y of the whole value: the band then adds ratio * (Y_b + mu.Y) - mu.C to C.
 struct Band {
   Domain domain = Domain::kReference;
   WeightFilter filter = WeightFilter::kLinear;
@@ -55,26 +50,20 @@ struct Band {
   int y_quads = 0;
   int chroma_quads = 0;
   bool ratio = false;
-  int light_quads = 0;
   // The first of y_quads, which with the ratio layer are stored apart from the rest and can be shown without
-  // it (material/model/leading_part.h); 0: stored in one, as bands with light quads are.
+  // it (material/model/leading_part.h); 0: stored in one.
   int lead_quads = 0;
-  // Per quad of y, chroma and light: products D*E are multiplied by this (folds both 8-bit scales).
+  // Per quad of y and chroma: products D*E are multiplied by this (folds both 8-bit scales).
   std::vector<glm::vec4> quad_scale;
   glm::vec4 ratio_scale{1};
-  Texture weights;      // 2-D array, layers = layers() (+ spare layers, zero)
-  Texture table;        // volume
-  Texture light_table;  // volume (phi_i, theta_i, light quad), a grid of its own; empty without light quads
+  Texture weights;  // 2-D array, layers = layers() (+ spare layers, zero)
+  Texture table;    // volume
   int quads() const { return y_quads + chroma_quads; }
-  int lightLayer() const { return quads() + (ratio ? 1 : 0); }  // the first of the light factor
-  int ambientLayer() const { return lightLayer() + light_quads; }
-  int layers() const { return ambientLayer() + (light_quads > 0 ? 1 : 0); }
-  size_t bytes() const { return weights.data.size() + table.data.size() + light_table.data.size(); }
+  int layers() const { return quads() + (ratio ? 1 : 0); }
+  size_t bytes() const { return weights.data.size() + table.data.size(); }
 };
 
 // Grid of a kGrid table: its width is phis, its height thetas squared.
 DirectionGrid tableGrid(const Band& band, float theta_max);
-// Grid of the light factor's table.
-DirectionGrid lightTableGrid(const Band& band, float theta_max);
 
 }  // namespace loden

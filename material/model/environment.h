@@ -79,10 +79,8 @@ std::vector<LightSample> lightQuadrature(const Material& material, int rows);
 DirectionGrid environmentGrid(const Band& band, float theta_max);
 
 // T_k of one band: RGBA16F volume of phis x thetas x (kEnvironmentBasis * quads), slice quad *
-// kEnvironmentBasis + k. Of a band with a light factor the ambient layer is one quad more: V (mu + B) - mu is
-// a product of two sums of weights, and T_k the least squares fit of its integral by those of Y and of that
-// layer. Integrals are over pi, and contain the band's scales and the cosine of assets that leave it out.
-// Takes some 1.5 ms for a cooked band, 45 ms with a light factor, 90 ms for a nearest table.
+// kEnvironmentBasis + k. Integrals are over pi, and contain the band's scales and the cosine of assets that
+// leave it out. Takes some 1.5 ms for a cooked band, 90 ms for a nearest table.
 Texture environmentTable(const Material& material, const Band& band);
 uint64_t environmentTableBytes(const Band& band);
 

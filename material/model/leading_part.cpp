@@ -73,8 +73,7 @@ SurfaceMaps tailOf(const SurfaceMaps& maps) {
 }
 
 uint64_t gpuBytes(const Band& band) {
-  const uint64_t light_table = band.light_quads > 0 ? textureBytes(band.light_table) : 0;
-  return textureBytes(band.weights) + textureBytes(band.table) + light_table + environmentTableBytes(band);
+  return textureBytes(band.weights) + textureBytes(band.table) + environmentTableBytes(band);
 }
 uint64_t gpuBytes(const SurfaceMaps& maps) {
   return textureBytes(maps.normal) + textureBytes(maps.color) + textureBytes(maps.ambient);

@@ -35,10 +35,7 @@ LodenBandData bandData(const Band& band) {
   if (band.domain == Domain::kFlat) data.bits |= LODEN_BAND_FLAT;
   if (band.filter == WeightFilter::kLinear) data.bits |= LODEN_BAND_LINEAR;
   if (band.ratio) data.bits |= LODEN_BAND_RATIO;
-  if (band.light_quads > 0) data.bits |= LODEN_BAND_LIGHT;
   data.y_quads = band.y_quads, data.chroma_quads = band.chroma_quads, data.ratio_layer = band.quads();
-  data.light_thetas = band.light_table.height, data.light_phis = band.light_table.width;
-  data.light_quads = band.light_quads, data.light_layer = band.lightLayer();
   std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
   data.ratio_scale = band.ratio_scale;
   data.rest_share = 1;
@@ -63,29 +60,20 @@ Issue limitIssue(const Material& material, const std::string& text) {
   return {issue_id::kLimit, Severity::kError, material.name, text};
 }
 
-int lightFactors(const Material& material) {
-  return int(std::count_if(material.bands.begin(), material.bands.end(),
-                           [](const Band& band) { return band.light_quads > 0; }));
-}
-
 static_assert(ShaderLimits::kMaxBands == LODEN_MAX_BANDS && ShaderLimits::kMaxQuads == LODEN_MAX_QUADS);
 
 Status checkBands(const Material& material) {
-  if (material.surface &&
-      (lightFactors(material) > 0 || material.bands.front().layout == TableLayout::kNearest))
-    return limitIssue(material, "surface maps among bands with a light factor or nearest tables");
+  if (material.surface && material.bands.front().layout == TableLayout::kNearest)
+    return limitIssue(material, "surface maps among bands with nearest tables");
   if (material.surface && material.bands.size() > kMostNearBands)
     return limitIssue(material, "surface maps among more than " + std::to_string(kMostNearBands) + " bands");
   if (material.bands.size() > LODEN_MAX_BANDS)
     return limitIssue(material, std::to_string(material.bands.size()) + " bands, shaders read " +
                                     std::to_string(LODEN_MAX_BANDS) + "; cook with fewer levels");
-  if (lightFactors(material) > (material.bands.size() <= kMostLightFactorBands ? 1 : 0))
-    return limitIssue(material, "more than one light factor, or one among more than " +
-                                    std::to_string(kMostLightFactorBands) + " bands");
   for (const Band& band : material.bands) {
     if (band.layout != material.bands.front().layout) return limitIssue(material, "bands mix table layouts");
-    const int quads = band.quads() + band.light_quads;
-    if (band.quads() < 1 || quads > LODEN_MAX_QUADS || band.quad_scale.size() != size_t(quads))
+    const int quads = band.quads();
+    if (quads < 1 || quads > LODEN_MAX_QUADS || band.quad_scale.size() != size_t(quads))
       return limitIssue(material, "a band of " + std::to_string(quads) + " quads, shaders read 1 to " +
                                       std::to_string(LODEN_MAX_QUADS) + "; cook with fewer components");
   }
@@ -109,12 +97,11 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
     if (Status status = checkBands(material); !status) return status.issue();
     variant.bands = static_cast<uint8_t>(material.bands.size());
     variant.nearest_tables = material.bands.front().layout == TableLayout::kNearest;
-    variant.light_factor = lightFactors(material) > 0;
   }
   const bool has_geometry = material.geometry.side() > 0;
   if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
   if (variant.nearest_tables) return limitIssue(material, "nearest tables with a flat band");
-  if (material.stored_vdim && !variant.light_factor && !(variant.near && variant.bands > 0) &&
+  if (material.stored_vdim && !(variant.near && variant.bands > 0) &&
       (lookup == Lookup::kPaper || !has_geometry))
     variant.lookup = Lookup::kPaper;
   else if (has_geometry)

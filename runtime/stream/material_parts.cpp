@@ -117,9 +117,6 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Sha
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   const int bands = static_cast<int>(file.skeleton().bands.size());
   part.textures.push_back({LODEN_UNIT_TABLE(bands) + index, table, false, "table", std::move(band->table)});
-  if (band->light_quads > 0)
-    part.textures.push_back(
-        {LODEN_UNIT_LIGHT_TABLE, Sampling::kClampLinear, false, "light table", std::move(band->light_table)});
   part.textures.push_back({LODEN_UNIT_ENVIRONMENT(bands) + index, Sampling::kClampLinear, false,
                            "environment", std::move(environment)});
   return part;
@@ -210,8 +207,6 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
       add("a band table", material.bands[size_t(part.band)].table);
-      if (material.bands[size_t(part.band)].light_quads > 0)
-        add("a light table", material.bands[size_t(part.band)].light_table);
       return;
     case PartKind::kGeometry:
       add("a geometry image", material.geometry.texels);

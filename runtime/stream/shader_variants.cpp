@@ -41,12 +41,10 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (variant.visibility != Visibility::kNone && !(variant.near && hasRelief(variant))) return false;
   if (variant.visibility == Visibility::kDefault && variant.lookup != Lookup::kDefault) return false;
   const bool paper = variant.lookup == Lookup::kPaper;
-  if (variant.near)
-    return !variant.nearest_tables && !variant.light_factor && variant.bands <= (paper ? 0 : kMostNearBands);
+  if (variant.near) return !variant.nearest_tables && variant.bands <= (paper ? 0 : kMostNearBands);
   // Nearest tables are those of published level-of-detail materials, in which nothing is read at p; and the
-  // published VDIM, the nearest-direction images and a light factor share texture units.
-  if (variant.nearest_tables && variant.lookup != Lookup::kNone) return false;
-  return !variant.light_factor || !(variant.nearest_tables || paper || variant.bands > kMostLightFactorBands);
+  // published VDIM and the nearest-direction images share texture units.
+  return !variant.nearest_tables || variant.lookup == Lookup::kNone;
 }
 
 std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
@@ -61,8 +59,7 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
         addIfAllowed({true, bands, lookup, visibility});
     for (const bool nearest : {false, true})
       for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
-        for (const bool light_factor : {false, true})
-          addIfAllowed({false, bands, lookup, Visibility::kNone, nearest, light_factor});
+        addIfAllowed({false, bands, lookup, Visibility::kNone, nearest});
   }
   return variants;
 }
@@ -79,7 +76,6 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   if (variant.bands > 0) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
-  if (variant.light_factor) defines.push_back("LODEN_LIGHT_FACTOR 1");
   if (const char* define = lookupDefine(variant.lookup)) defines.push_back(define);
   return defines;
 }
@@ -89,7 +85,6 @@ std::string variantName(const MaterialVariant& variant) {
   std::string name = variant.near ? "near" : "";
   if (variant.bands > 0) name += (variant.near ? "-bands" : "bands") + std::to_string(variant.bands);
   if (variant.nearest_tables) name += "-nearest";
-  if (variant.light_factor) name += "-light";
   name += "-";
   name += lookupName(variant.lookup);
   if (variant.visibility != Visibility::kNone)

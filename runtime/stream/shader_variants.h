@@ -20,15 +20,12 @@ struct MaterialVariant {
   Lookup lookup = Lookup::kNone;
   Visibility visibility = Visibility::kNone;  // of the near term
   bool nearest_tables = false;                // tables of bands are read at the nearest sampled pair
-  bool light_factor = false;                  // a band has a light factor (material/model/band.h)
   uint8_t first_unit = 0;                     // texture unit that the material's begin at
   bool shadesMaterial() const { return near || bands > 0; }
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };
 
-// A light factor goes with a cooked flat band, which has one coarser band beside it at most.
-inline constexpr size_t kMostLightFactorBands = 2;
-// Nor has a near term more: a cooked one replaces the flat band.
+// A cooked near term replaces the flat band, so that one coarser band stands beside it.
 inline constexpr size_t kMostNearBands = 2;
 
 // One row: two entry files and the material variants they may be built for.

@@ -51,7 +51,6 @@ TEST(Study, EveryStudy_HasItsKeysInEveryRow) {
         "gpu_bytes", "rmse_y", "mse_y", "mae_y", "rmse_cb", "mse_cb", "mae_cb", "rmse_cr", "mse_cr", "mae_cr",
         "directions"}},
       {"minification", {"tile", "mode", "lambda", "rmse_y", "psnr_db"}},
-      {"shadow-split", {"tile", "kind", "components", "coefficient_bytes", "rmse_y", "lab_mean"}},
       {"lab-bounds",
        {"tile", "size", "what", "lookup", "components", "lab_mean", "lab_black", "lab_lit", "rmse_y"}},
   };

@@ -167,8 +167,6 @@ TEST(Cli, BadValues_AreUsage) {
       {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "inf"},
       {"cook", sharedBake(), "-o", out + ".loden", "--target-rmse", "nan"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--max-bytes", "600k"},
-      {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--shadows", "split"},
-      {"cook", sharedBake(), "-o", out + ".loden", "--light-components", "8"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--levels", "16"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "lod", "--components", "4,2,0"},
       {"cook", sharedBake(), "-o", out + ".loden", "--mode", "surface", "--levels", "3"},

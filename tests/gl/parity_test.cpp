@@ -277,7 +277,6 @@ struct Kind {
   Mode mode = Mode::kFused;
   importer::Preset preset = importer::Preset::kGame;
   importer::Near near = importer::Near::kSurface;
-  importer::Shadows shadows = importer::Shadows::kJoint;
   auto operator<=>(const Kind&) const = default;
 };
 
@@ -286,7 +285,6 @@ Material cooked(const importer::BakedOutput& baked, const Kind& kind) {
   options.mode = kind.mode;
   options.preset = kind.preset;
   options.near = kind.near;
-  options.shadows = kind.shadows;
   options.quiet = true;
   auto material = importer::cook(baked, options);
   EXPECT_TRUE(material.ok()) << (material.ok() ? "" : material.issue().text);
@@ -298,10 +296,9 @@ class Parity : public testing::TestWithParam<std::string> {};
 
 TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
   using enum importer::Preset;
-  using enum importer::Shadows;
   const Bake baked = bakeSmall(GetParam());
   const auto surface = importer::Near::kSurface, band = importer::Near::kBand;
-  const Kind fused{}, flat{Mode::kFused, kGame, band}, split{Mode::kFused, kGame, band, kSplit};
+  const Kind fused{}, flat{Mode::kFused, kGame, band};
   const Kind near{Mode::kSurface, kGame}, published{Mode::kSurface, kSeed, surface};
   const Kind lod{Mode::kLod, kGame}, lod_published{Mode::kLod, kSeed};
   const Way full{}, faded{Lookup::kDefault, Parallax::kFaded}, fast{Lookup::kFast}, none{Lookup::kNone};
@@ -328,9 +325,7 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
         Case{"surface, environment", near, lit}, Case{"lod as published", lod_published, none},
         Case{"lod with 8-bit maps", lod, none}, Case{"lod without the cosine", lod, none, {}, false},
         Case{"lod, environment", lod_published, {Lookup::kNone, Parallax::kFull, true}},
-        Case{"flat band", flat, full}, Case{"flat band, environment", flat, lit},
-        Case{"flat band, shadows apart", split, full},
-        Case{"flat band, shadows apart, environment", split, {Lookup::kFast, Parallax::kFull, true}}}) {
+        Case{"flat band", flat, full}, Case{"flat band, environment", flat, lit}}) {
     SCOPED_TRACE(c.name);
     if (!materials.contains(c.kind)) materials[c.kind] = cooked(baked.output, c.kind);
     Material material = materials[c.kind];

@@ -77,114 +77,6 @@ TEST(Fused, SameBytesAtAnyThreadCount) {
   EXPECT_EQ(one.error.channel[0].mse, three.error.channel[0].mse);
 }
 
-// Ridges that shade each other, white and matte.
-constexpr int kRidgedSide = 32;
-GeometryImage ridges() {
-  std::vector<glm::dvec3> positions;
-  for (int t = 0; t < kRidgedSide * kRidgedSide; ++t) {
-    const glm::dvec2 p = (glm::dvec2(t % kRidgedSide, t / kRidgedSide) + 0.5) / double(kRidgedSide);
-    positions.emplace_back(p, 0.12 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1));
-  }
-  return encodeGeometryImage(kRidgedSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
-}
-
-SyntheticSource shadedRidges(const GeometryImage& image, const GeometryTracer& tracer) {
-  return {kSide, concentricDirections(6), [&](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
-            const auto hit = tracer.traceView(x, wo);
-            const auto point = surfaceAt<double>(image, hit ? hit->p : x);
-            const double cosine = glm::dot(point.normal, wi);
-            return glm::dvec3(
-                cosine > 0 && !tracer.occluded(point.position + 2e-3 * point.normal, wi) ? cosine : 0.0);
-          }};
-}
-
-FusedPlan splitPlan() {
-  FusedPlan plan;
-  plan.y_components = 4;
-  plan.light_components = 8;
-  plan.flat_scale = 2;  // the truth is sampled at points: at 1 what the filter blurs would hide the rest
-  plan.coarse_y = 0;
-  return plan;
-}
-
-// Whether light comes is no sum of few products.
-TEST(Fused, LightFactorBeatsComponentsOnCastShadows) {
-  const GeometryImage image = ridges();
-  const GeometryTracer tracer(image);
-  const SyntheticSource source = shadedRidges(image, tracer);
-  const auto btf = loadYcc(source, 0);
-  FusedPlan joint = splitPlan();
-  joint.light_components = 0;
-  joint.y_components = 12;  // as many maps
-  const FusedFit split = fitFused(source, *btf, image, splitPlan(), 0);
-  const double joint_error = fitFused(source, *btf, image, joint, 0).error.channel[0].rmse();
-  EXPECT_LT(split.error.channel[0].rmse(), 0.8 * joint_error) << joint_error;
-  EXPECT_EQ(rawFileBytes(split.material), fusedBytes(splitPlan(), kSide, kRidgedSide));
-  EXPECT_EQ(split.material.bands[0].light_quads, 2);
-  // The error as measured is the evaluator's.
-  const Evaluator evaluator(split.material);
-  double squares = 0;
-  constexpr int kPairs = 500;
-  const int views = source.views().size(), lights = source.lights().size();
-  std::vector<Matrix> truth(static_cast<size_t>(views));
-  for (int v = 0; v < views; ++v) btf->read(0, v, truth[size_t(v)]);
-  for (int k = 0; k < kPairs; ++k)
-    for (int t = k % 7; t < kSide * kSide; t += 7) {
-      const int v = k * 5 % views, l = k * 11 % lights;
-      const glm::dvec2 x = (glm::dvec2(t % kSide, t / kSide) + 0.5) / double(kSide);
-      const glm::dvec3 value =
-          evaluator.evaluate(evaluator.findHit(x, 0.0, source.views().samples[size_t(v)]),
-                             source.lights().samples[size_t(l)], source.views().samples[size_t(v)]);
-      squares +=
-          std::pow(value.x - truth[size_t(v)](t, l), 2) / kPairs / std::ceil((kSide * kSide - k % 7) / 7.0);
-    }
-  EXPECT_NEAR(std::sqrt(squares), split.error.channel[0].rmse(),
-              0.1 * split.error.channel[0].rmse());  // of a sample of the pairs
-}
-
-TEST(Fused, LightFactorSameBytesAtAnyThreadCount) {
-  const GeometryImage image = ridges();
-  const GeometryTracer tracer(image);
-  const SyntheticSource source = shadedRidges(image, tracer);
-  const auto btf = loadYcc(source, 0);
-  const FusedFit one = fitFused(source, *btf, image, splitPlan(), 1),
-                 three = fitFused(source, *btf, image, splitPlan(), 3);
-  EXPECT_EQ(one.material.bands[0].weights.data, three.material.bands[0].weights.data);
-  EXPECT_EQ(one.material.bands[0].table.data, three.material.bands[0].table.data);
-  EXPECT_EQ(one.material.bands[0].light_table.data, three.material.bands[0].light_table.data);
-}
-
-// Light from all around meets a product of two sums through the ambient layer, which is fitted to it: near,
-// not exact.
-TEST(Fused, LightFactorUnderAnEnvironment) {
-  const GeometryImage image = ridges();
-  const GeometryTracer tracer(image);
-  const SyntheticSource source = shadedRidges(image, tracer);
-  const auto btf = loadYcc(source, 0);
-  const FusedFit fit = fitFused(source, *btf, image, splitPlan(), 0);
-  Evaluator evaluator(fit.material);
-  evaluator.prepareEnvironment();
-  HemisphereLight light;
-  light.c[0] = glm::vec3(1);
-  light.c[2] = glm::vec3(0.5f);  // brighter from x
-  double squares = 0, truth_squares = 0, sum = 0, truth_sum = 0;
-  for (int k = 0; k < 60; ++k) {
-    const glm::dvec3 wo = directionFromSpherical({0.02 * k, 0.7 * k});
-    const auto hit = evaluator.findHit(glm::dvec2(0.137 * k, 0.291 * k), 0.0, wo);
-    double truth = 0;
-    constexpr int kRows = 24;
-    for (int j = 0; j < kRows; ++j)
-      for (int i = 0; i < 2 * kRows; ++i) {
-        const glm::dvec3 wi = directionFromSpherical({std::acos((j + 0.5) / kRows), kPi * (i + 0.5) / kRows});
-        truth += evaluator.evaluate(hit, wi, wo).y * (1 + 0.5 * wi.x) / (kRows * kRows);
-      }
-    const double got = evaluator.evaluateEnvironment(hit, light, wo).y;
-    squares += (got - truth) * (got - truth), truth_squares += truth * truth, sum += got, truth_sum += truth;
-  }
-  EXPECT_NEAR(sum, truth_sum, 0.01 * truth_sum);
-  EXPECT_LT(std::sqrt(squares / truth_squares), 0.02);  // four components; .005 as measured
-}
-
 // No step above one 8-bit code of white for a lambda change of 0.01; and the far end is the exact average.
 TEST(Fused, ContinuousInLambdaDownToTheAverage) {
   const SyntheticSource source = sunkenPicture();
@@ -391,20 +283,6 @@ TEST(Goal, HoldsWithTheLevelsAskedFor) {
   // Without the coarse band there is room for a better plan.
   EXPECT_LT(*pretended(choosePlan({300000, 0, 1}, 64, 128, pretended)->plan),
             *pretended(choosePlan({300000, 0, 0}, 64, 128, pretended)->plan));
-}
-
-TEST(Goal, TakesTheFirstLightFactorThatLeavesRoom) {
-  const auto lightOf = [](uint64_t bytes, std::vector<int> light) {
-    const auto choice = choosePlan({bytes, 0, 0, std::move(light)}, 64, 128, pretended);
-    if (!choice) return -1;
-    EXPECT_LE(fusedBytes(choice->plan, 64, choice->plan.geometry_side), bytes);
-    EXPECT_EQ(choice->plan.coarse_y, choice->plan.y_components + choice->plan.light_components);
-    return choice->plan.light_components;
-  };
-  EXPECT_EQ(lightOf(600000, {12, 8, 4}), 12);
-  EXPECT_EQ(lightOf(260000, {12, 8, 4}), 8);
-  EXPECT_EQ(lightOf(200000, {12, 8, 4}), 4);
-  EXPECT_EQ(lightOf(200000, {12}), -1) << "asked for by the user: nothing else is tried";
 }
 
 TEST(Goal, SaysWhatCannotBeMet) {

@@ -380,15 +380,6 @@ TEST(AssetIssues, BandField) {
                          [](Material& m) { m.bands[0].table.width = 4; },
                          [](Material& m) { m.bands[1].table.height = 10; },
                      });
-  expectEachRejected(test::lightFactorMaterial, issue_id::kBandField,
-                     {
-                         [](Material& m) { m.bands[0].light_table.width = 1; },
-                         [](Material& m) { m.bands[0].light_table.height = 1; },
-                         [](Material& m) { m.bands[0].light_table.depth = 3; },
-                         [](Material& m) { m.bands[0].light_table.format = TexelFormat::kRGBA8Unorm; },
-                         [](Material& m) { m.bands[0].weights.depth = 3; },
-                         [](Material& m) { m.bands[0].quad_scale[2].y = kNan; },
-                     });
   Material spare = test::lodMaterial();
   spare.bands[2].weights.data.back() = std::byte{1};
   spare.bands[2].weights.data[spare.bands[2].weights.data.size() - 2] = std::byte{1};

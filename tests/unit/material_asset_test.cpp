@@ -17,9 +17,8 @@ namespace {
 using test::expectSame;
 using Bytes = std::vector<std::byte>;
 
-const auto kMakers = {test::surfaceMaterial,     test::lodMaterial,          test::fusedMaterial,
-                      test::lightFactorMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial,
-                      test::nearMaterial};
+const auto kMakers = {test::surfaceMaterial,      test::lodMaterial,        test::fusedMaterial,
+                      test::splitSurfaceMaterial, test::splitFusedMaterial, test::nearMaterial};
 
 Bytes serialized(const Material& material) {
   Result<Bytes> bytes = serializeAsset(material);

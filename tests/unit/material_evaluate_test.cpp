@@ -49,8 +49,7 @@ TEST(Mean, RatioChromaFollowsY) {
 }
 
 TEST(Evaluator, FloatAndDoubleAgree) {
-  for (const Material& material :
-       {test::lodMaterial(), test::fusedMaterial(), test::lightFactorMaterial(), test::surfaceMaterial()}) {
+  for (const Material& material : {test::lodMaterial(), test::fusedMaterial(), test::surfaceMaterial()}) {
     const Evaluator evaluator(material);
     for (int k = 0; k < 400; ++k) {
       const glm::dvec2 x(0.137 * k - 3, 0.0713 * k);
@@ -68,37 +67,6 @@ TEST(Evaluator, FloatAndDoubleAgree) {
       EXPECT_NEAR(a.z, b.z, 2e-3) << "sample " << k;
     }
   }
-}
-
-// V * (mu + B) at lambda 0, where the band with the factor is the only one; and V as its texels say.
-TEST(Evaluator, LightFactorMultipliesTheWholeValue) {
-  const Material lit = test::lightFactorMaterial();
-  Material plain = lit;
-  plain.bands[0].light_quads = 0;
-  const Band& band = lit.bands[0];
-  const Evaluator evaluator(lit), without(plain);
-  double least = 1, most = 0;
-  for (int k = 0; k < 64; ++k) {
-    const glm::ivec2 texel(k % 8, k / 8);
-    const glm::dvec2 x = (glm::dvec2(texel) + 0.5) / 8.0;  // a texel's centre: no filter
-    // At a row and a column of the light table.
-    const int row = 1 + k % 3, column = k % 8;
-    const glm::dvec3 wi = directionFromSpherical({double(lit.theta_max) * row / 3, 2 * kPi * column / 8}),
-                     wo = directionFromSpherical({0.5, 0.1 * k});
-    double sum = 0;
-    for (int quad = 0; quad < 2; ++quad) {
-      const glm::dvec4 weight(fetchTexel(band.weights, 0, texel.x, texel.y, band.lightLayer() + quad));
-      sum += glm::dot(weight * glm::dvec4(fetchTexel(band.light_table, 0, column, row, quad)),
-                      glm::dvec4(band.quad_scale[size_t(band.quads() + quad)]));
-    }
-    const double factor = std::clamp(sum, 0.0, 1.0);
-    least = std::min(least, factor), most = std::max(most, factor);
-    const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(x, 0.0, wo, Lookup::kNone), wi, wo);
-    const glm::dvec3 whole = without.evaluate(without.findHit(x, 0.0, wo, Lookup::kNone), wi, wo);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], factor * whole[c], 1e-5) << "sample " << k;
-    EXPECT_NEAR(lightFactorAt(lit, band, glm::vec2(x), glm::vec3(wi)), factor, 1e-5);
-  }
-  EXPECT_LT(least, most - 0.2) << "the samples say little";
 }
 
 TEST(Evaluator, IsContinuousInLambda) {

@@ -36,7 +36,7 @@ Band nearestBand(int level, uint32_t seed) {
   return band;
 }
 
-Band gridBand(Domain domain, int mips, const DirectionGrid& grid, uint32_t seed, int light_quads = 0) {
+Band gridBand(Domain domain, int mips, const DirectionGrid& grid, uint32_t seed) {
   Band band;
   band.domain = domain;
   band.y_quads = 1;
@@ -44,11 +44,7 @@ Band gridBand(Domain domain, int mips, const DirectionGrid& grid, uint32_t seed,
   band.chroma_quads = band.ratio ? 0 : 1;
   band.lambda_first = domain == Domain::kFlat ? 0.0f : 1.0f;
   band.window = domain == Domain::kFlat ? Window{-2, -1, 1, 2} : Window{1, 2, 1e4f, 2e4f};
-  band.light_quads = light_quads;
-  if (light_quads > 0)
-    band.light_table =
-        noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 9, 4, light_quads, 1, seed + 2);
-  for (int quad = 0; quad < band.quads() + light_quads; ++quad)
+  for (int quad = 0; quad < band.quads(); ++quad)
     band.quad_scale.push_back(glm::vec4(0.5f, 0.25f, 0.1f, 1e-3f));
   band.ratio_scale = {0.3f, 0.4f, 1, 1};
   const int side = domain == Domain::kFlat ? kSide : kSide / 2;
@@ -95,8 +91,6 @@ void expectSame(const Band& a, const Band& b) {
   EXPECT_EQ(a.chroma_quads, b.chroma_quads);
   EXPECT_EQ(a.ratio, b.ratio);
   EXPECT_EQ(a.lead_quads, b.lead_quads);
-  EXPECT_EQ(a.light_quads, b.light_quads);
-  expectSame(a.light_table, b.light_table);
   EXPECT_TRUE(a.quad_scale == b.quad_scale);
   EXPECT_TRUE(a.ratio_scale == b.ratio_scale);
   expectSame(a.weights, b.weights);
@@ -204,13 +198,6 @@ Material fusedMaterial() {
   material.atlas = {24, 18};
   material.bands.push_back(gridBand(Domain::kFlat, 1, {3, 5, material.theta_max}, 30));
   material.bands.push_back(gridBand(Domain::kReference, 3, {4, 7, material.theta_max}, 40));
-  return material;
-}
-
-Material lightFactorMaterial() {
-  Material material = fusedMaterial();
-  material.name = "light factor";
-  material.bands[0] = gridBand(Domain::kFlat, 1, {3, 5, material.theta_max}, 30, 2);
   return material;
 }
 

@@ -11,11 +11,10 @@ namespace loden::test {
 Texture noiseTexture(TexelFormat format, TextureShape shape, int width, int height, int depth, int mips,
                      uint32_t seed);
 
-Material surfaceMaterial();      // geometry image, stored VDIM, three maps, no band
-Material lodMaterial();          // three nearest-layout bands, RGBA32F, one spare layer
-Material fusedMaterial();        // flat band with ratio, reference band with mips, geometry image, 8 bit
-Material lightFactorMaterial();  // the same, with a light factor of two quads in the flat band
-Material nearMaterial();         // near term of GGX maps, twice as fine as the side, and a reference band
+Material surfaceMaterial();  // geometry image, stored VDIM, three maps, no band
+Material lodMaterial();      // three nearest-layout bands, RGBA32F, one spare layer
+Material fusedMaterial();    // flat band with ratio, reference band with mips, geometry image, 8 bit
+Material nearMaterial();     // near term of GGX maps, twice as fine as the side, and a reference band
 
 // The same, with the reference band (three quads, a ratio and a spare layer) and the maps in two chunks each.
 Material splitFusedMaterial();

@@ -104,7 +104,7 @@ class Listing {
     std::string scales;
     for (const glm::vec4& s : band.quad_scale) append(scales, bits({s.x, s.y, s.z, s.w}));
     const glm::vec4& ratio = band.ratio_scale;
-    line("quads", band.y_quads, band.chroma_quads, band.ratio ? 1 : 0, band.lead_quads, band.light_quads,
+    line("quads", band.y_quads, band.chroma_quads, band.ratio ? 1 : 0, band.lead_quads,
          bits({ratio.x, ratio.y, ratio.z, ratio.w}), scales);
   }
 
@@ -132,7 +132,6 @@ class Listing {
     if (band.lead_quads > 0) return listSplit(band);
     listTexels("BAND", band.weights);
     listTexels("BAND", band.table);
-    if (band.light_quads > 0) listTexels("BAND", band.light_table);
   }
   void listMaps(const SurfaceMaps& maps) {
     for (const Texture* map : {&maps.normal, &maps.color, &maps.ambient}) listTexels("SURF", *map);
@@ -200,9 +199,8 @@ TEST(IndependentReader, FindsWhatTheWriterWasGiven) {
   const std::string script = std::string(LODEN_TESTS_DIR) + "/unit/independent_reader/read_asset.py";
   const auto path =
       std::filesystem::temp_directory_path() / ("loden-reader-" + std::to_string(getpid()) + ".loden");
-  for (const auto make :
-       {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::lightFactorMaterial,
-        test::nearMaterial, test::splitSurfaceMaterial, test::splitFusedMaterial}) {
+  for (const auto make : {test::surfaceMaterial, test::lodMaterial, test::fusedMaterial, test::nearMaterial,
+                          test::splitSurfaceMaterial, test::splitFusedMaterial}) {
     const Material material = make();
     SCOPED_TRACE(material.name);
     ASSERT_TRUE(writeAsset(material, path).ok());

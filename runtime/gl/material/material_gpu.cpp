@@ -71,7 +71,6 @@ std::vector<uint32_t> SharedTextures::emptyUnits(const MaterialVariant& variant)
   units[LODEN_UNIT_VDIM_VOLUME] = empty_volume_.name();
   if (variant.nearest_tables)
     units[LODEN_UNIT_NEAREST_LIGHT] = units[LODEN_UNIT_NEAREST_VIEW] = empty_index_.name();
-  if (variant.light_factor) units[LODEN_UNIT_LIGHT_TABLE] = empty_volume_.name();
   return units;
 }
 

@@ -77,13 +77,12 @@ def read_directions(head, name):
 
 def read_band(head, place):
     print("band", place, *head.u32(3), head.bits(5))
-    y_quads, chroma_quads, ratio, lead, light = head.u32(5)
+    y_quads, chroma_quads, ratio, lead = head.u32(4)
     weights, table = head.u32(5), head.u32(4)
-    light_table = [head.u32(4)] if light else []
     quads = y_quads + chroma_quads
-    print("quads", y_quads, chroma_quads, ratio, lead, light, head.bits(4), head.bits(4 * (quads + light)))
+    print("quads", y_quads, chroma_quads, ratio, lead, head.bits(4), head.bits(4 * quads))
     if lead == 0:
-        return [("BAND", [texture(*weights)] + [texture(*extents, 1) for extents in [table] + light_table])]
+        return [("BAND", [texture(*weights), texture(*table, 1)])]
     rest = quads - lead
     shares = [(lead, lead + ratio), (rest, weights[3] - lead - ratio)]  # quads, and layers of the weights
     return [("BAND", [("weights", (), texture(*weights[:3], layers, weights[4])[2]),

@@ -145,8 +145,7 @@ glm::dvec3 smoothValue(int side, glm::dvec2 x, double lambda, const glm::dvec3& 
 
 std::vector<Material> edgeMaterials() {
   std::vector<Material> all{test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(),
-                            test::nearMaterial(),    smoothMaterial(),    test::lightFactorMaterial(),
-                            planeMaterial(0.2)};
+                            test::nearMaterial(),    smoothMaterial(),    planeMaterial(0.2)};
   all.front().surface->visibility = Visibility::kDefault;
   return all;
 }

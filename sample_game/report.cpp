@@ -85,6 +85,13 @@ Json summaryJson(const Report& report) {
 Status writeReport(const std::filesystem::path& path, const Report& report, const Options& options) {
   Json json{{"schema", "loden/walk/1"},        {"command", options.command},     {"gl", glJson(report.gl)},
             {"options", optionsJson(options)}, {"summary", summaryJson(report)}, {"frames", Json::array()}};
+  if (report.camera) {
+    const auto vec = [](const glm::dvec3& v) { return Json{v.x, v.y, v.z}; };
+    json["camera"] = {{"position", vec(report.camera->position)},
+                      {"target", vec(report.camera->target)},
+                      {"up", vec(report.camera->up)},
+                      {"fov_degrees", report.camera->fov_degrees}};
+  }
   for (size_t i = 0; i < report.frames.size(); ++i) json["frames"].push_back(frameJson(report.frames[i], i));
   // Names come from files and drivers, and need not be UTF-8.
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Report {
   runtime::Capabilities gl;
   double start_ms = 0;  // from the start of the process to the first frame
   std::vector<FrameRecord> frames;
+  std::optional<Camera> camera;  // at the end, of a walk in a window
   runtime::ShaderStats shaders;
 };
 

@@ -72,7 +72,7 @@ Point plane(float s, float t) {
 Scene showcaseScene(const std::filesystem::path& asset, const TileFacts& facts, double period) {
   Scene scene;
   scene.name = facts.name;
-  scene.meshes = {gridMesh("cloth", 220, 48, &cloth), gridMesh("sphere", 128, 64, &sphere),
+  scene.meshes = {gridMesh("cloth", 84, 16, &cloth), gridMesh("sphere", 64, 32, &sphere),
                   gridMesh("plane", 1, 1, &plane)};
   SceneMaterial material;
   material.name = facts.name;

@@ -52,25 +52,13 @@ void showProgress(const Options& options, int frame, int frames) {
   std::fprintf(stderr, "\rframe %d of %d%s", frame + 1, frames, frame + 1 == frames ? "\n" : "");
 }
 
-// To the far side of the scene; near enough planes for a room, in proportion for what is larger, nearer
-// before what is closer.
-DepthRange depthRange(const World& world, const Camera& camera) {
-  const Bounds all = world.renderer->bounds();
-  DepthRange range;
-  const glm::dvec3 nearest = glm::clamp(camera.position, glm::dvec3(all.min), glm::dvec3(all.max));
-  if (const double distance = glm::distance(camera.position, nearest); distance > 0)
-    range.near_plane = std::min(range.near_plane, distance / 2);
-  const double reach = glm::distance(camera.position, glm::dvec3(all.centre())) + double(all.radius());
-  if (reach <= range.far_plane) return range;
-  return {range.near_plane * reach / range.far_plane, reach};
-}
-
 // Streams and draws one frame; times are wall-clock with the GPU drained on both sides.
 Result<FrameRecord> drawFrame(World& world, const Camera& camera, const FrameTarget& target, bool wait,
                               float seconds) {
   FrameRecord record;
   const auto start = Clock::now();
-  world.renderer->prepare(makeView(camera, target.size, depthRange(world, camera)), world.settings);
+  world.renderer->prepare(makeView(camera, target.size, depthRange(world.renderer->bounds(), camera)),
+                          world.settings);
   const auto before_wait = Clock::now();
   if (wait) world.materials->finishLoading();
   record.wait_ms = wait ? millisecondsSince(before_wait) : 0;
@@ -123,25 +111,32 @@ int walkHeadless(const Options& options, World& world, Clock::time_point start) 
 int walkInWindow(const Options& options, World& world, Clock::time_point start) {
   Recorder recorder(options, options.frames);
   if (Status status = recorder.begin(); !status) return fail(status.issue());
-  Player player(*world.device, world.path);
   recorder.report().gl = world.device->capabilities();
   recorder.report().start_ms = millisecondsSince(start);
-  const auto shown = Clock::now();
-  for (int i = 0; !world.device->closeRequested() && !player.wantsToLeave() && !interrupted; ++i) {
-    if (options.frames > 0 && i == options.frames) break;
+  Player player(world, options);
+  for (int i = 0; !interrupted && (options.frames == 0 || i < options.frames); ++i) {
     world.device->pollEvents();
     if (world.device->size().x < 1 || world.device->size().y < 1) {  // minimised
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      if (world.device->closeRequested()) break;
       continue;
     }
-    const float seconds = player.beginFrame();
-    world.animate(millisecondsSince(shown) / 1000, options.time);
-    auto record = drawFrame(world, player.camera(), {0, world.device->size()}, false, seconds);
-    if (!record) return fail(record.issue());
-    player.drawOverlay(record->ms, record->stats, record->materials, world.settings);
-    world.device->swap();
-    recorder.addFrame(*std::move(record));
+    const auto began = Clock::now();
+    const Result<bool> stays = player.step();
+    if (!stays) return fail(stays.issue());
+    if (!*stays) break;
+    FrameRecord record;
+    record.t = millisecondsSince(start) / 1000;
+    record.ms = player.picture().lastMs();
+    record.stats = player.picture().stats();
+    record.materials = world.materials->stats();
+    recorder.addFrame(std::move(record));
+    // At rest the panel alone is drawn, which need not be often.
+    constexpr double kRestMs = 30;
+    if (const double spent = millisecondsSince(began); player.idle() && spent < kRestMs)
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(kRestMs - spent));
   }
+  recorder.report().camera = player.camera();
   if (interrupted) return kExitInterrupted;
   recorder.report().shaders = world.shaders->stats();
   if (Status status = recorder.finish(); !status) return fail(status.issue());

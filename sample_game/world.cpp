@@ -175,6 +175,7 @@ MaterialSystemOptions materialOptions(const Options& options) {
   MaterialSystemOptions materials;
   materials.budget_bytes = static_cast<uint64_t>(options.budget_mb * (1 << 20));
   materials.upload_bytes_per_frame = static_cast<uint64_t>(options.upload_kb * (1 << 10));
+  materials.fade_levels_per_frame = 32;  // by time alone, however long a frame takes
   if (options.mode == Mode::kPaper) materials.lookup = Lookup::kPaper;
   if (options.mode == Mode::kNormalMap) materials.lookup = Lookup::kNone;
   return materials;
@@ -188,10 +189,9 @@ FrameSettings frameSettings(const Options& options) {
   settings.parallax_depth = options.parallax_depth;
   if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;
   settings.base_materials_only = options.mode == Mode::kFallback;
-  settings.exposure = 0.8f;
+  settings.tone = ToneCurve::kNeutral;
   settings.samples = 4;
   if (!options.onSurface()) return settings;
-  settings.exposure = 1;
   settings.samples = 1;
   settings.shadows = false;
   settings.tone = ToneCurve::kClip;
@@ -213,6 +213,19 @@ std::optional<Camera> World::animate(double seconds, double first) {
 
 ScenePose World::pose() const {
   return poseAt(scene, animation < 0 ? nullptr : &scene.animations[size_t(animation)], animated_to);
+}
+
+Status World::replaceScene(Scene next, double aspect) {
+  auto made = FrameRenderer::create(*device, *shaders, *materials, next);
+  if (!made) return made.issue();
+  renderer = std::move(*made);
+  scene = std::move(next);
+  for (SceneImage& image : scene.images) image.pixels = {};
+  animation = scene.animations.empty() ? -1 : 0;
+  animated_to = 0;
+  scene_camera = -1;
+  path = standingAt(framed(boundsOfAll(scene), aspect));
+  return {};
 }
 
 Result<World> makeWorld(const Options& options) {

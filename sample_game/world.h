@@ -33,6 +33,9 @@ struct World {
   std::optional<Camera> animate(double seconds, double first);
   // The pose that was drawn last.
   runtime::ScenePose pose() const;
+  // Walks through another scene from now on, with a camera that sees all of it; where that cannot be, the old
+  // one stays.
+  Status replaceScene(runtime::Scene next, double aspect);
 };
 Result<World> makeWorld(const Options& options);
 

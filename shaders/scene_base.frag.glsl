@@ -20,12 +20,21 @@ vec3 litRadiance(BaseSurface s, vec3 wo) {
     vec3 wi = sceneLight(object.lights[k >> 2][k & 3], position_ws, irradiance);
     if (irradiance.r + irradiance.g + irradiance.b > 1e-4) radiance += irradiance * baseRadiance(s, wi, wo);
   }
+  float sun_visible = 1.0;
+  if ((scene.flags.x & SCENE_ENVIRONMENT_SHADOW) != 0)
+    sun_visible = sceneSunVisibility(position_ws, normalize(normal_ws) * facing());
   // A reflection map has the suns in it.
   for (int k = 0; k < (scene.flags.w > 0 ? 0 : scene.flags.y); ++k)
-    radiance +=
-        scene.environment_suns[2 * k + 1].rgb * baseRadiance(s, scene.environment_suns[2 * k].xyz, wo);
-  for (int k = 0; k < scene.flags.z; ++k) radiance += baseEnvironment(s, wo);
-  return radiance;
+    radiance += (k == 0 ? sun_visible : 1.0) * scene.environment_suns[2 * k + 1].rgb *
+                baseRadiance(s, scene.environment_suns[2 * k].xyz, wo);
+  vec3 around = vec3(0.0);
+  for (int k = 0; k < scene.flags.z; ++k) around += baseEnvironment(s, wo);
+  // ... of which a shadow takes the diffuse share away.
+  if (scene.flags.w > 0 && sun_visible < 1.0)
+    around = max(around - (1.0 - sun_visible) * scene.environment_suns[1].rgb * s.occlusion * s.diffuse /
+                              kPi * max(dot(s.normal, scene.environment_suns[0].xyz), 0.0),
+                 0.0);
+  return radiance + around;
 }
 
 void main() {

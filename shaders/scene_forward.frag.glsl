@@ -5,6 +5,11 @@
 #include "scene_surface.glsl"
 #include "scene_displaced.glsl"
 
+#ifdef SCENE_HEAT
+#include "scene_heat.glsl"
+vec2 heat_hit;  // of the last evaluation: lambda, and the near term's weight
+#endif
+
 layout(location = 0) out vec4 color;
 
 #ifdef SCENE_PARALLAX_DEPTH
@@ -38,6 +43,9 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws,
   position = displacedPosition(wo_ws, wo, z);
   gl_FragDepth = depthOf(position);
 #endif
+#ifdef SCENE_HEAT
+  heat_hit = vec2(point.hit.lambda, point.hit.near_weight);
+#endif
   vec3 radiance = vec3(0.0);
   if ((scene.flags.x & SCENE_SUN) != 0) {
     vec3 wi = scene.sun_direction.xyz * frame;
@@ -57,7 +65,12 @@ vec3 shade(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, mat3 frame, vec3 wo_ws,
   }
   for (int k = 0; k < scene.flags.y; ++k) {
     vec3 wi = scene.environment_suns[2 * k].xyz * frame;
-    if (wi.z > 0.0) radiance += scene.environment_suns[2 * k + 1].rgb * surfaceRadiance(point, wi, wo);
+    if (wi.z <= 0.0) continue;
+    float visible = 1.0;
+    if (k == 0 && (scene.flags.x & SCENE_ENVIRONMENT_SHADOW) != 0)
+      visible = sunVisibility(position - scene.sun_direction.xyz * (z / max(wi.z, 0.1)), frame[2]);
+    if (visible > 0.0)
+      radiance += visible * scene.environment_suns[2 * k + 1].rgb * surfaceRadiance(point, wi, wo);
   }
   // A loop, so that renderers which run both sides of every branch skip it too.
   for (int k = 0; k < scene.flags.z; ++k) radiance += surfaceEnvironment(point, frame, wo);
@@ -81,4 +94,8 @@ void main() {
   taps -= missed_taps;
 #endif
   color = vec4(sceneTone(object.emissive.rgb + sum / float(taps)), 1.0);
+#ifdef SCENE_HEAT
+  // The radiance keeps compilers from leaving out what it takes to find it.
+  color.rgb = heat(heat_hit.x, heat_hit.y, log2(loden_material.side), loden_fetches) + 1e-7 * color.rgb;
+#endif
 }

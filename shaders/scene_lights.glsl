@@ -3,18 +3,27 @@
 
 layout(binding = SCENE_UNIT_SHADOW) uniform sampler2DShadow scene_shadow;
 
-// Share of the sun that reaches a point, over 3 x 3 filtered shadow texels. The point is moved along the
-// normal by what one texel can hide.
+// Share of the sun that reaches a point, over the shadow map's texels around it: 3 x 3, or 16 points of a
+// disk (Vogel 1979) where borders are to be wider. The point is moved along the normal by what these can
+// hide.
 float sceneSunVisibility(vec3 position, vec3 normal) {
   if ((scene.flags.x & SCENE_SHADOWS) == 0) return 1.0;
   float slope = 1.0 - clamp(dot(normal, scene.sun_direction.xyz), 0.0, 1.0);
-  vec3 moved = position + normal * scene.sun_direction.w * (1.0 + 2.0 * slope);
+  float width = scene.sun_irradiance.w;
+  vec3 moved = position + normal * scene.sun_direction.w * (1.0 + (2.0 + width) * slope);
   vec3 c = (scene.shadow_from_world * vec4(moved, 1.0)).xyz;
   vec2 texel = 1.0 / vec2(textureSize(scene_shadow, 0));
   float lit = 0.0;
-  for (int k = 0; k < 9; ++k)
-    lit += texture(scene_shadow, vec3(c.xy + texel * (vec2(k % 3, k / 3) - 1.0), c.z));
-  return lit / 9.0;
+  if (width <= 1.0) {
+    for (int k = 0; k < 9; ++k)
+      lit += texture(scene_shadow, vec3(c.xy + texel * (vec2(k % 3, k / 3) - 1.0), c.z));
+    return lit / 9.0;
+  }
+  for (int k = 0; k < 16; ++k) {
+    float angle = 2.399963 * float(k), radius = width * sqrt((float(k) + 0.5) / 16.0);
+    lit += texture(scene_shadow, vec3(c.xy + texel * radius * vec2(cos(angle), sin(angle)), c.z));
+  }
+  return lit / 16.0;
 }
 
 // Unit direction to light `index`, and its irradiance; KHR_lights_punctual's falloff.
@@ -38,9 +47,24 @@ vec3 sceneLight(int index, vec3 position, out vec3 irradiance) {
   return direction;
 }
 
-// Narkowicz 2015's fit of the ACES tone curve, or none.
+// The curve of glTF's viewers (Khronos PBR Neutral, 2024): colours stay as they are but for what a dielectric
+// mirrors of a white room, up to 0.76; what is brighter is compressed towards 1, and loses colour slowly.
+vec3 neutralTone(vec3 color) {
+  const float kDark = 0.08, kMirrored = 0.04, kLinearEnd = 0.76, kFade = 0.15;
+  float least = min(color.r, min(color.g, color.b));
+  color -= least < kDark ? least - least * least / (4.0 * kMirrored) : kMirrored;
+  float most = max(color.r, max(color.g, color.b));
+  if (most <= kLinearEnd) return color;
+  float room = 1.0 - kLinearEnd;
+  float shown = 1.0 - room * room / (most - kLinearEnd + room);
+  float kept = 1.0 / (1.0 + kFade * (most - shown));
+  return mix(vec3(shown), color * (shown / most), kept);
+}
+
+// Exposure and tone curve: neutral, Narkowicz 2015's fit of the ACES curve, or none.
 vec3 sceneTone(vec3 color) {
   color = max(color * scene.camera_exposure.w, 0.0);
+  if ((scene.flags.x & SCENE_NEUTRAL) != 0) return neutralTone(color);
   if ((scene.flags.x & SCENE_FILMIC) == 0) return color;
   return clamp(color * (2.51 * color + 0.03) / (color * (2.43 * color + 0.59) + 0.14), 0.0, 1.0);
 }

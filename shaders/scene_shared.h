@@ -36,6 +36,13 @@
 #define SCENE_LAMBDA_OVERRIDE 8
 #define SCENE_SUN_VIEW 16  // the sun's view, for the shadow map
 #define SCENE_LAMBDA_DISTANCE 32
+#define SCENE_NEUTRAL 64              // the tone curve of glTF's viewers
+#define SCENE_ENVIRONMENT_SHADOW 128  // the shadow map is that of the environment's first sun
+
+// Of SceneFrame.lambda.z: what a heat map shows
+#define SCENE_HEAT_LAMBDA 1   // 0 to 8
+#define SCENE_HEAT_FETCHES 2  // 0 to 100
+#define SCENE_HEAT_TERMS 3    // red the near term, green bands, blue the mean alone
 
 // Bits of SceneObject.flags.x
 #define SCENE_DOUBLE_SIDED 1
@@ -69,14 +76,16 @@ struct SceneFrame {
   mat4 shadow_from_world;  // texture coordinates and depth of the shadow map
   vec4 camera_exposure;    // world position; factor before the tone curve
   vec4 sun_direction;      // unit, towards the sun; w: side of a shadow texel, metres
-  vec4 sun_irradiance;     // linear RGB on a surface that faces it
-  vec4 environment[9];     // as loden_hemisphere_light takes it
+  vec4
+      sun_irradiance;  // linear RGB on a surface that faces it; w: half width of its shadows' borders, texels
+  vec4 environment[9];  // as loden_hemisphere_light takes it
   vec4 environment_suns[2 *
                         SCENE_MAX_SUNS];  // each: unit direction towards it; linear RGB irradiance facing it
   vec4 base_environment[9];  // the same for base materials, with the suns in it where there are reflections
   ivec4 flags;  // bits, number of the environment's suns, 1 if the rest of it gives light, levels of the
                 // reflection map or 0
-  vec4 lambda;  // override; metres across a pixel at 1 m, for the distance rule; unused x 2
+  vec4 lambda;  // override; metres across a pixel at 1 m, for the distance rule; the heat map; level of
+                // the reflection map behind the scene
   SceneLight lights[SCENE_MAX_LIGHTS];
 };
 

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 
 #include "material/base/issues.h"
@@ -24,8 +25,9 @@ constexpr int kUniformBindings = SCENE_BLOCK_BASE_MATERIAL + 1;
 
 // The relief in the sun's shadow map, which a new pose makes void.
 struct ShadowRelief {
-  bool shown = false;     // else all objects are as their meshes are, and the rest is as here
-  uint64_t revision = 0;  // MaterialSystem::reliefRevision
+  glm::vec3 direction{0};  // of the sun
+  bool shown = false;      // else all objects are as their meshes are, and the rest is as here
+  uint64_t revision = 0;   // MaterialSystem::reliefRevision
   std::optional<float> lambda;
   friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
 };
@@ -155,6 +157,8 @@ struct FrameRenderer::Impl {
   std::optional<ShadowRelief> shadow_drawn;
   MultisampleTarget multisample;
   ImageLight image_light;
+  GlVertexArray no_vertices;  // of what the vertex shader makes up
+  SunView sun_view;           // of the light that throws the shadows
 
   View view;
   FrameSettings settings;
@@ -171,6 +175,8 @@ struct FrameRenderer::Impl {
   void uploadUniforms();
   void drawObject(int object, Faces faces = Faces::kAsMaterial) const;
   bool movesDepth(MaterialId id) const;
+  std::optional<glm::vec3> shadowSun() const;
+  MaterialVariant variantOf(MaterialId id) const;
   ShadowRelief shadowRelief() const;
   Status use(std::string_view row, MaterialId id, PassProgram& current);
   Status useForDepth(int object, PassProgram& current);
@@ -180,6 +186,7 @@ struct FrameRenderer::Impl {
   Status drawDepth();
   Status drawShaded();
   Status drawBlended();
+  Status drawSky();
   Status drawView(const FrameTarget& target);
 };
 
@@ -215,7 +222,8 @@ void FrameRenderer::Impl::demandMaterials() {
     if (!asked[i]) continue;
     materials.demand(scene.assets[i].material.id(), *asked[i]);
     demanded.push_back(scene.assets[i].material.id());
-    stats.demands.push_back({scene.assets[i].name, *asked[i], 0});
+    stats.demands.push_back(
+        {scene.assets[i].name, *asked[i], materials.residentLambda(scene.assets[i].material.id())});
   }
 }
 
@@ -234,19 +242,26 @@ AlphaMode FrameRenderer::Impl::alphaMode(int object) const {
 SceneFrame FrameRenderer::Impl::frameData() const {
   SceneFrame data{};
   data.clip_from_world = view.clip_from_world;
-  data.shadow_from_world = scene.sun_view.texture_from_world;
+  data.shadow_from_world = sun_view.texture_from_world;
   data.camera_exposure = glm::vec4(view.position, settings.exposure);
+  const std::optional<glm::vec3> shadow_sun = shadowSun();
   if (scene.sun) {
-    data.sun_direction = glm::vec4(-scene.sun->direction, scene.sun_view.texel);
-    data.sun_irradiance = glm::vec4(scene.sun->intensity, 0);
+    data.sun_direction = glm::vec4(-scene.sun->direction, sun_view.texel);
+    data.sun_irradiance = glm::vec4(scene.sun->intensity, settings.shadow_width);
+  } else if (shadow_sun) {
+    data.sun_direction = glm::vec4(-*shadow_sun, sun_view.texel);
+    data.sun_irradiance.w = settings.shadow_width;
+    data.flags.x = SCENE_ENVIRONMENT_SHADOW;
   }
-  data.flags.x = (scene.sun ? SCENE_SUN : 0) | (scene.sun && settings.shadows ? SCENE_SHADOWS : 0) |
-                 (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
-                 (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
-                 (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
+  data.flags.x |= (scene.sun ? SCENE_SUN : 0) | (shadow_sun ? SCENE_SHADOWS : 0) |
+                  (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
+                  (settings.tone == ToneCurve::kNeutral ? SCENE_NEUTRAL : 0) |
+                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
+                  (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
   const Environment sky{skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}};
   setEnvironment(settings.environment ? *settings.environment : sky, settings.reflections.get(), data);
-  data.lambda = glm::vec4(settings.lambda.value_or(0), view.pixel_angle, 0, 0);
+  data.lambda = glm::vec4(settings.lambda.value_or(0), view.pixel_angle, float(settings.heat),
+                          settings.sky_level.value_or(0));
   std::transform(scene.lights.begin(), scene.lights.end(), data.lights, lightData);
   return data;
 }
@@ -254,7 +269,7 @@ SceneFrame FrameRenderer::Impl::frameData() const {
 void FrameRenderer::Impl::uploadUniforms() {
   SceneFrame frame = frameData();
   glNamedBufferSubData(frame_uniforms.name(), 0, sizeof frame, &frame);
-  frame.clip_from_world = scene.sun_view.clip_from_world;
+  frame.clip_from_world = sun_view.clip_from_world;
   frame.flags.x |= SCENE_SUN_VIEW;
   glNamedBufferSubData(shadow_uniforms.name(), 0, sizeof frame, &frame);
 }
@@ -275,13 +290,30 @@ void FrameRenderer::Impl::drawObject(int index, Faces faces) const {
 }
 
 ShadowRelief FrameRenderer::Impl::shadowRelief() const {
-  if (!settings.parallax_depth || settings.base_materials_only) return {};
-  return {true, materials.reliefRevision(), settings.lambda};
+  const glm::vec3 direction = shadowSun().value_or(glm::vec3(0));
+  if (!settings.parallax_depth || settings.base_materials_only) return {direction, false, 0, {}};
+  return {direction, true, materials.reliefRevision(), settings.lambda};
+}
+
+// The way that the light travels that throws the shadows; none: nothing throws any.
+std::optional<glm::vec3> FrameRenderer::Impl::shadowSun() const {
+  if (scene.sun) return settings.shadows ? std::optional(scene.sun->direction) : std::nullopt;
+  if (!settings.environment_shadows || !settings.environment || settings.environment->suns.empty()) return {};
+  return -settings.environment->suns[0].direction;
+}
+
+// The material's, but for what the settings leave out.
+MaterialVariant FrameRenderer::Impl::variantOf(MaterialId id) const {
+  MaterialVariant variant = materials.variant(id);
+  if (settings.lookup == Lookup::kFast && variant.lookup == Lookup::kDefault) variant.lookup = Lookup::kFast;
+  variant.visibility = std::min(variant.visibility, settings.visibility);
+  if (variant.lookup == Lookup::kFast) variant.visibility = std::min(variant.visibility, Visibility::kFast);
+  return variant;
 }
 
 Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, PassProgram& current) {
   if (current.program != 0 && current.row == row && current.material == id) return {};
-  const Result<uint32_t> program = shaders.program(row, id ? materials.variant(id) : MaterialVariant{});
+  const Result<uint32_t> program = shaders.program(row, id ? variantOf(id) : MaterialVariant{});
   if (!program) return program.issue();
   if (current.program != *program) ++current.changes;
   glUseProgram(*program);
@@ -298,7 +330,7 @@ void FrameRenderer::Impl::bindBaseMaterial(int object, PassProgram& current) con
 }
 
 bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
-  return settings.parallax_depth && id && hasRelief(materials.variant(id));
+  return settings.parallax_depth && settings.heat == HeatMap::kNone && id && hasRelief(materials.variant(id));
 }
 
 // An object's depth, as the camera or the sun sees it.
@@ -323,12 +355,13 @@ Status FrameRenderer::Impl::useForShading(int object, PassProgram& current) {
     return status;
   }
   const bool curved = scene.objects[object].curved && id && hasRelief(materials.variant(id));
+  if (settings.heat != HeatMap::kNone) return use(curved ? "scene_heat_curved" : "scene_heat", id, current);
   if (movesDepth(id)) return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, current);
   return use(curved ? "scene_forward_curved" : "scene_forward", id, current);
 }
 
 Status FrameRenderer::Impl::drawShadowMap() {
-  if (!scene.sun || !settings.shadows || shadow_drawn == shadowRelief()) return {};
+  if (!shadowSun() || shadow_drawn == shadowRelief()) return {};
   const GlDebugGroup group("sun shadow");
   if (!shadow.depth) shadow = makeShadowMap();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, shadow.framebuffer.name());
@@ -415,6 +448,21 @@ Status FrameRenderer::Impl::drawBlended() {
   return {};
 }
 
+// Behind what has been drawn.
+Status FrameRenderer::Impl::drawSky() {
+  if (!settings.sky_level || !settings.reflections) return {};
+  const GlDebugGroup group("sky");
+  PassProgram current;
+  if (Status status = use("scene_sky", {}, current); !status) return status;
+  image_light.bind();
+  if (!no_vertices) no_vertices = makeVertexArray("sky");
+  glBindVertexArray(no_vertices.name());
+  glDisable(GL_CULL_FACE);
+  glDepthFunc(GL_LEQUAL);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  return {};
+}
+
 Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
   setViewport(target.size);
@@ -425,6 +473,7 @@ Status FrameRenderer::Impl::drawView(const FrameTarget& target) {
   image_light.show(settings.reflections);
   if (Status status = drawDepth(); !status) return status;
   if (Status status = drawShaded(); !status) return status;
+  if (Status status = drawSky(); !status) return status;
   return drawBlended();
 }
 
@@ -443,6 +492,8 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
                                              std::move(gpu.value()),
                                              makeFrameUniforms("frame uniforms"),
                                              makeFrameUniforms("shadow uniforms"),
+                                             {},
+                                             {},
                                              {},
                                              {},
                                              {},
@@ -480,6 +531,7 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   Impl& self = *impl_;
   if (target.size.x < 1 || target.size.y < 1) return {};  // a minimised window
   const GlDrawStateScope scope(kUnits, kUniformBindings);
+  if (const auto sun = self.shadowSun()) self.sun_view = sunView(self.scene.bounds, *sun, ShadowMap::kSide);
   self.uploadUniforms();
   setPassState();
   if (Status status = self.drawShadowMap(); !status) return status;
@@ -499,6 +551,19 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   for (size_t i = 0; i < self.demanded.size(); ++i)
     self.stats.demands[i].resident = self.materials.residentLambda(self.demanded[i]);
   return {};
+}
+
+std::vector<MaterialId> FrameRenderer::assets() const {
+  std::vector<MaterialId> ids;
+  for (const Asset& asset : impl_->scene.assets) ids.push_back(asset.material.id());
+  return ids;
+}
+
+uint64_t FrameRenderer::detailRevision() const {
+  uint64_t hash = impl_->materials.reliefRevision();
+  for (const MaterialId id : impl_->demanded)
+    hash = hash * 1099511628211u + std::bit_cast<uint32_t>(impl_->materials.residentLambda(id));
+  return hash;
 }
 
 void FrameRenderer::finish() const {

@@ -20,7 +20,19 @@
 
 namespace loden::runtime {
 
-enum class ToneCurve { kClip, kFilmic };
+enum class ToneCurve {
+  kClip,
+  kFilmic,
+  kNeutral,  // as glTF's viewers have it: Khronos PBR Neutral
+};
+
+// Colours that tell of a Loden material's cost in place of its look.
+enum class HeatMap {
+  kNone,
+  kLambda,   // level of detail, from 0 to 8
+  kFetches,  // texture instructions, from 0 to 100
+  kTerms,    // red: near term, green: bands, blue: the mean alone
+};
 
 // Where lambda comes from: the pixel's footprint on the surface, or its distance alone, as LBTF 3.4, step 2
 // has it, in units at which a texel covers a pixel.
@@ -28,7 +40,10 @@ enum class LambdaRule { kFootprint, kDistance };
 
 struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
-  bool shadows = true;
+  bool shadows = true;               // of the scene's sun
+  // Of the environment's brightest sun, where the scene has none of its own.
+  bool environment_shadows = false;
+  float shadow_width = 1;  // half width of the shadows' borders, texels of the map; above 1 they are soft
   bool depth_prepass = true;
   bool cull = true;  // leaves out what is not in view or shows its back; off for measuring
   // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a
@@ -40,10 +55,15 @@ struct FrameSettings {
   int samples = 1;
   LambdaRule lambda_rule = LambdaRule::kFootprint;
   std::optional<float> lambda;  // instead, everywhere
+  // At most: less than the materials' own leaves shadows of the near term out, or looks up in fewer steps.
+  Visibility visibility = Visibility::kDefault;
+  Lookup lookup = Lookup::kDefault;  // kFast or kDefault
+  HeatMap heat = HeatMap::kNone;     // without parallax_depth
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
   // What glTF's own materials mirror of the environment; their light is then that of the map alone.
   std::shared_ptr<const ReflectionMap> reflections;
+  std::optional<float> sky_level;  // the level of that map to show behind everything; none: the background
   // Light from all around, world frame; at most SCENE_MAX_SUNS suns count. None: a sky and a ground.
   std::optional<Environment> environment;
   glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above, linear RGB; y is up
@@ -102,8 +122,12 @@ class FrameRenderer {
   // Waits until the GPU has drawn everything; for measuring.
   void finish() const;
 
-  // Of the last frame drawn.
+  // Of the last frame prepared or drawn.
   const FrameStats& stats() const;
+  // The scene's assets, in its order.
+  std::vector<MaterialId> assets() const;
+  // Changes whenever what the last frame showed of its materials would now be shown in other detail.
+  uint64_t detailRevision() const;
   // Around all instances, world.
   Bounds bounds() const;
 

@@ -110,7 +110,6 @@ void sortLights(GpuScene& gpu) {
     else if (light.kind == LightKind::kSun && !gpu.sun)
       gpu.sun = light;
   }
-  if (gpu.sun) gpu.sun_view = sunView(gpu.bounds, gpu.sun->direction, ShadowMap::kSide);
 }
 
 void noteLights(const Scene& scene, const Device& device) {
@@ -189,8 +188,7 @@ bool poseObject(const Scene& scene, const Instance& instance, const ScenePose& p
 }  // namespace
 
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials) {
-  GpuScene gpu{
-      BaseMaterials(scene), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, {}, scene.lights, {}, 0};
+  GpuScene gpu{BaseMaterials(scene), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, scene.lights, {}, 0};
   auto assets = loadAssets(scene, 0, materials);
   if (!assets) return assets.issue();
   gpu.assets = std::move(assets.value());

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "runtime/frame/base_materials.h"
-#include "runtime/frame/frame_shadow.h"
 #include "runtime/frame/mesh_gpu.h"
 #include "runtime/gl/device.h"
 #include "runtime/gl/gl_objects.h"
@@ -67,7 +66,6 @@ struct GpuScene {
   std::vector<Asset> assets;
   std::vector<Light> lights;  // points and spots
   std::optional<Light> sun;
-  SunView sun_view;
   Bounds bounds;                    // of all objects, world
   std::vector<Light> scene_lights;  // all, in the scene's order
   GlBuffer object_uniforms;         // a SceneObject every `object_stride` bytes

@@ -69,4 +69,15 @@ std::vector<glm::u8vec4> readCodes(const RenderTarget& target) {
   return top_down;
 }
 
+void copyPicture(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to) {
+  const bool same = picture.size == to - from;
+  const GLboolean converts = glIsEnabled(GL_FRAMEBUFFER_SRGB), clipped = glIsEnabledi(GL_SCISSOR_TEST, 0);
+  glDisable(GL_FRAMEBUFFER_SRGB);  // codes stay as they are
+  glDisablei(GL_SCISSOR_TEST, 0);
+  glBlitNamedFramebuffer(picture.framebuffer.name(), framebuffer, 0, 0, picture.size.x, picture.size.y,
+                         from.x, from.y, to.x, to.y, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+  if (converts) glEnable(GL_FRAMEBUFFER_SRGB);
+  if (clipped) glEnablei(GL_SCISSOR_TEST, 0);
+}
+
 }  // namespace loden::runtime

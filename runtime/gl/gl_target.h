@@ -32,4 +32,8 @@ std::vector<glm::vec4> readLinear(const RenderTarget& target);
 // RGBA8 codes as stored, [height][width], first row at the top (as image files have it); kSrgb8 only.
 std::vector<glm::u8vec4> readCodes(const RenderTarget& target);
 
+// Copies the whole picture into a rectangle of another, [from, to) in pixels from the bottom left, linearly
+// scaled. Framebuffer 0 is the window; both must be sRGB, or both linear.
+void copyPicture(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to);
+
 }  // namespace loden::runtime

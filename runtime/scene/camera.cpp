@@ -64,6 +64,22 @@ View makeView(const Camera& camera, glm::ivec2 size, DepthRange depth) {
   return view;
 }
 
+View partOf(const View& view, glm::ivec2 from, glm::ivec2 to) {
+  return partOf(view, from, to, to - from);
+}
+
+View partOf(const View& view, glm::ivec2 from, glm::ivec2 to, glm::ivec2 size) {
+  const glm::dvec2 whole(view.size), extent(to - from);
+  const glm::dvec2 scale = whole / extent, middle = (glm::dvec2(from) + 0.5 * extent) / whole * 2.0 - 1.0;
+  const glm::dmat4 part =
+      glm::scale(glm::dmat4(1), glm::dvec3(scale, 1)) * glm::translate(glm::dmat4(1), glm::dvec3(-middle, 0));
+  View result = view;
+  result.clip_from_world = glm::mat4(part * glm::dmat4(view.clip_from_world));
+  result.size = size;
+  result.pixel_angle = view.pixel_angle * static_cast<float>(extent.y / size.y);
+  return result;
+}
+
 Camera cameraFromScene(const SceneCamera& camera) {
   const glm::dmat4 m(camera.world_from_camera);
   Camera result;

@@ -23,6 +23,11 @@ struct DepthRange {
 };
 View makeView(const Camera& camera, glm::ivec2 size, DepthRange depth = {});
 
+// What the view shows of a rectangle of its picture, [from, to) in pixels from the bottom left, as a picture
+// of that many pixels, or of `size` instead.
+View partOf(const View& view, glm::ivec2 from, glm::ivec2 to);
+View partOf(const View& view, glm::ivec2 from, glm::ivec2 to, glm::ivec2 size);
+
 // A camera of a glTF scene, as the same kind of camera.
 Camera cameraFromScene(const SceneCamera& camera);
 

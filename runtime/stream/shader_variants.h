@@ -32,7 +32,7 @@ inline constexpr size_t kMostNearBands = 2;
 struct ProgramRow {
   std::string_view name;
   std::string_view vertex, fragment;  // file names in shaders/; an empty fragment: depth only
-  std::string_view defines[2];        // more defines, "NAME VALUE", or empty
+  std::string_view defines[3];        // more defines, "NAME VALUE", or empty
   bool none = false;                  // may be built without a Loden material
   bool material = false;              // for materials, of a near term, bands or both
   bool relief = false;                // only for variants whose lookup finds a depth
@@ -41,11 +41,15 @@ struct ProgramRow {
 inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
 inline constexpr std::string_view kFollowSurface = "SCENE_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
 
+inline constexpr std::string_view kHeat = "SCENE_HEAT 1";  // costs in place of looks
+inline constexpr std::string_view kCountFetches = "LODEN_COUNT_FETCHES 1";
+
 inline constexpr std::string_view kBase = "SCENE_BASE 1";  // glTF's own material
 
 inline constexpr ProgramRow kProgramRows[] = {
     {"scene_depth", "scene_depth.vert.glsl", "", {}, true, false},
     {"scene_base", "scene_base.vert.glsl", "scene_base.frag.glsl", {kBase}, true, false},
+    {"scene_sky", "scene_sky.vert.glsl", "scene_sky.frag.glsl", {}, true, false},
     {"scene_base_depth", "scene_base.vert.glsl", "scene_base_depth.frag.glsl", {kBase}, true, false},
     {"scene_forward", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {}, false, true},
     {"scene_forward_curved",
@@ -66,6 +70,14 @@ inline constexpr ProgramRow kProgramRows[] = {
      "scene_forward.vert.glsl",
      "scene_forward.frag.glsl",
      {kParallaxDepth, kFollowSurface},
+     false,
+     true,
+     true},
+    {"scene_heat", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kHeat, kCountFetches}, false, true},
+    {"scene_heat_curved",
+     "scene_forward.vert.glsl",
+     "scene_forward.frag.glsl",
+     {kHeat, kCountFetches, kFollowSurface},
      false,
      true,
      true},

@@ -87,6 +87,117 @@ std::vector<glm::vec4> picture(FrameRenderer& renderer, MaterialSystem& material
   return readLinear(target);
 }
 
+std::vector<glm::vec4> pictureWith(FrameRenderer& renderer, MaterialSystem& materials, const View& view,
+                                   const FrameSettings& settings) {
+  const RenderTarget target = *makeRenderTarget(view.size, ColorFormat::kLinear32, "frame");
+  renderer.prepare(view, settings);
+  materials.finishLoading();
+  EXPECT_TRUE(renderer.draw({target.framebuffer.name(), target.size}).ok());
+  return readLinear(target);
+}
+
+double meanOf(const std::vector<glm::vec4>& pixels, int channel) {
+  double sum = 0;
+  for (const glm::vec4& pixel : pixels) sum += double(pixel[channel]);
+  return sum / double(pixels.size());
+}
+
+TEST_F(FrameTest, HeatMapsTellNearTermFromMean) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.heat = HeatMap::kTerms;
+  settings.lambda = 30.0f;
+  const auto far = pictureWith(**renderer, *materials, viewOf({64, 48}), settings);
+  EXPECT_GT(meanOf(far, 2), 0.2) << "the mean alone";
+  settings.heat = HeatMap::kFetches;
+  const auto few = pictureWith(**renderer, *materials, viewOf({64, 48}), settings);
+  settings.lambda = 0.0f;
+  const auto many = pictureWith(**renderer, *materials, viewOf({64, 48}), settings);
+  EXPECT_GT(meanOf(many, 1) - meanOf(many, 2), meanOf(few, 1) - meanOf(few, 2) + 0.05)
+      << "greener, and less blue";
+}
+
+TEST_F(FrameTest, DressesTheSceneAnew) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  Scene scene = planeScene();
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(renderer.ok());
+  const auto before = pictureWith(**renderer, *materials, viewOf({64, 48}), {});
+  scene.materials[0].flat_btf->scale = {3, 3};
+  ASSERT_TRUE((*renderer)->dress(scene, poseAt(scene, nullptr, 0)).ok());
+  EXPECT_NE(pictureWith(**renderer, *materials, viewOf({64, 48}), {}), before);
+  scene.materials[0].flat_btf->scale = {1, 1};
+  ASSERT_TRUE((*renderer)->dress(scene, poseAt(scene, nullptr, 0)).ok());
+  EXPECT_EQ(pictureWith(**renderer, *materials, viewOf({64, 48}), {}), before);
+  scene.materials[0].flat_btf.reset();
+  ASSERT_TRUE((*renderer)->dress(scene, poseAt(scene, nullptr, 0)).ok());
+  (*renderer)->prepare(viewOf({64, 48}), {});
+  EXPECT_TRUE((*renderer)->stats().demands.empty()) << "nothing wears the asset";
+}
+
+// The whole picture's pixels, drawn in two parts.
+TEST_F(FrameTest, PartsMakeUpThePicture) {
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene());
+  ASSERT_TRUE(renderer.ok());
+  const View view = viewOf({64, 48});
+  const auto whole = pictureWith(**renderer, *materials, view, {});
+  const auto left = pictureWith(**renderer, *materials, partOf(view, {0, 0}, {32, 48}), {}),
+             right = pictureWith(**renderer, *materials, partOf(view, {32, 0}, {64, 48}), {});
+  double difference = 0;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const glm::vec4 part = x < 32 ? left[size_t(y * 32 + x)] : right[size_t(y * 32 + x - 32)];
+      difference += double(glm::distance(part, whole[size_t(y * 64 + x)]));
+    }
+  EXPECT_LT(difference / (64 * 48), 2e-3) << "but for what derivatives round";
+}
+
+// A plate above a white floor, both glTF's own materials, under a panorama with one lamp overhead.
+TEST_F(FrameTest, EnvironmentsCastShadowsAndShowBehind) {
+  Scene scene;
+  Mesh square = analyticMesh(analyticSurface(SurfaceKind::kPlane));
+  scene.meshes = {square};
+  SceneMaterial white;
+  white.metallic = 0;
+  white.double_sided = true;
+  scene.materials = {white};
+  Instance floor, plate;
+  floor.material = plate.material = 0;
+  plate.world_from_local = glm::mat4(0.4f);
+  plate.world_from_local[3] = {0, 0, 0.3f, 1};
+  scene.instances = {floor, plate};
+  Panorama panorama{64, 32, std::vector<glm::vec3>(64 * 32, glm::vec3(0.2f))};
+  for (int i = 0; i < 64 * 2; ++i) panorama.pixels[size_t(i)] = glm::vec3(60);
+  auto materials = makeMaterials();
+  ShaderLibrary shaders(*device, {});
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.tone = ToneCurve::kNeutral;
+  settings.exposure = 0.3f;
+  settings.environment = projectPanorama(panorama, 2);
+  ASSERT_FALSE(settings.environment->suns.empty());
+  settings.reflections = std::make_shared<const ReflectionMap>(makeReflectionMap(panorama, glm::mat3(1)));
+  const auto lit = pictureWith(**renderer, *materials, viewOf({64, 48}), settings);
+  settings.environment_shadows = true;
+  settings.shadow_width = 4;
+  const auto shadowed = pictureWith(**renderer, *materials, viewOf({64, 48}), settings);
+  EXPECT_LT(meanOf(shadowed, 1), meanOf(lit, 1) - 0.01);
+  double brighter = 0;
+  for (size_t i = 0; i < lit.size(); ++i) brighter = std::max(brighter, double(shadowed[i].y - lit[i].y));
+  EXPECT_LT(brighter, 1e-3) << "shadows take light away";
+  settings.sky_level = 0.0f;
+  const auto sky = pictureWith(**renderer, *materials, viewOf({64, 48}), settings);
+  // The neutral curve below 0.08: 6.25 x^2.
+  EXPECT_NEAR(double(sky.back().y), 6.25 * 0.06 * 0.06, 0.004) << "the panorama at its top right corner";
+}
+
 // LBTF 3.4, step 2. In a narrow view straight on the distance is nearly one all over the picture.
 TEST_F(FrameTest, DistanceRuleIsLogarithmOfDistanceWhateverTheTilt) {
   Material material = fusedMaterial();

@@ -47,6 +47,26 @@ struct Demand {
   float lambda;
 };
 
+std::string partName(const PartPlan& part) {
+  switch (part.kind) {
+    case PartKind::kBandLead:
+      return "band " + std::to_string(part.band) + ", first";
+    case PartKind::kBand:
+      return "band " + std::to_string(part.band);
+    case PartKind::kGeometry:
+      return "geometry";
+    case PartKind::kAtlas:
+      return "indirection";
+    case PartKind::kStoredVdim:
+      return "stored indirection";
+    case PartKind::kSurfaceTail:
+      return "near term, coarse";
+    case PartKind::kSurface:
+      return "near term";
+  }
+  return {};
+}
+
 // Whether a later part begins with what this one was made of.
 bool continues(const std::vector<PartPlan>& plan, uint32_t part) {
   return std::any_of(plan.begin() + part + 1, plan.end(), [&](const PartPlan& later) {
@@ -60,6 +80,7 @@ Status checkOptions(const MaterialSystemOptions& options) {
     return Issue{issue_id::kOption, Severity::kError, "material system", text};
   };
   if (!(options.fade_levels_per_second > 0)) return issue("fade_levels_per_second must be above 0");
+  if (!(options.fade_levels_per_frame > 0)) return issue("fade_levels_per_frame must be above 0");
   if (!(options.release_seconds > 0)) return issue("release_seconds must be above 0");
   constexpr int kTexels = AssetLimits::kMaxAtlasTexels, kDirections = AssetLimits::kMaxAtlasDirections;
   if (const auto& size = options.atlas_size;
@@ -91,6 +112,7 @@ struct MaterialSystem::Impl {
     ResidencyOptions r;
     r.budget_bytes = options.budget_bytes;
     r.fade_levels_per_second = options.fade_levels_per_second;
+    r.fade_levels_per_frame = options.fade_levels_per_frame;
     r.release_seconds = options.release_seconds;
     return r;
   }
@@ -236,6 +258,15 @@ float MaterialSystem::residentLambda(MaterialId id) const {
 
 uint64_t MaterialSystem::reliefRevision() const {
   return impl_->relief_revision;
+}
+
+std::vector<PartStats> MaterialSystem::parts(MaterialId id) const {
+  const uint32_t index = impl_->indexOf(id);
+  const std::vector<PartPlan>& plan = impl_->slots[index].plan;
+  std::vector<PartStats> parts;
+  for (uint32_t part = 0; part < plan.size(); ++part)
+    parts.push_back({partName(plan[part]), plan[part].desc.bytes, impl_->residency.resident({index, part})});
+  return parts;
 }
 
 void MaterialSystem::demand(MaterialId id, float lambda) {

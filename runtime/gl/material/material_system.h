@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "material/asset/asset.h"
 #include "material/base/result.h"
@@ -27,7 +28,8 @@ struct MaterialId {
 struct MaterialSystemOptions {
   uint64_t budget_bytes = 64u << 20;             // GPU bytes of all parts, those in flight included
   uint64_t upload_bytes_per_frame = 256u << 10;  // at least one row of texels goes up per frame
-  float fade_levels_per_second = 4;  // of detail that arrives in view, and a fifteenth of a level per frame
+  float fade_levels_per_second = 4;              // of detail that arrives in view
+  float fade_levels_per_frame = 1.0f / 15;       // at most, however long a frame takes; above 0
   float release_seconds = 3;         // what nobody has demanded for longer goes even where there is room
   Lookup lookup = Lookup::kDefault;  // where a material has geometry; kPaper where it stores a VDIM; kQuality
                                      // is drawn as kDefault
@@ -52,6 +54,13 @@ struct MaterialStats {
   uint64_t evicted_parts = 0;
   uint64_t failed_parts = 0;   // could not be read, or had no room in the driver's or the process's memory
   uint64_t failed_memory = 0;  // of these the latter
+};
+
+// One streamable part of a material.
+struct PartStats {
+  std::string name;    // "band 0", "geometry", "near term" ...
+  uint64_t bytes = 0;  // on the GPU
+  bool resident = false;
 };
 
 class MaterialSystem {
@@ -102,6 +111,8 @@ class MaterialSystem {
   Status contextRestored();
 
   const MaterialStats& stats() const;
+  // In the order in which they arrive.
+  std::vector<PartStats> parts(MaterialId id) const;
 
  private:
   struct Impl;

@@ -298,12 +298,16 @@ GeometryTracer& GeometryTracer::operator=(GeometryTracer&&) noexcept = default;
 std::optional<TraceHit> GeometryTracer::traceView(glm::dvec2 x, const glm::dvec3& wo) const {
   LODEN_CHECK_LT(0.0, wo.z);
   const double end = (-impl_->z_min + 1e-6) / wo.z;
-  return impl_->march({x, 0}, -wo * impl_->per_length, -1e-6 / wo.z, end);
+  const glm::dvec2 period = glm::floor(x);  // far away a cell has no number, and a double few digits
+  auto hit = impl_->march({x - period, 0}, -wo * impl_->per_length, -1e-6 / wo.z, end);
+  if (hit) hit->p += period, hit->position += glm::dvec3(period, 0);
+  return hit;
 }
 
 bool GeometryTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction) const {
   LODEN_CHECK_LT(0.0, direction.z);
-  return impl_->march(origin, direction * impl_->per_length, 1e-9, (1e-6 - origin.z) / direction.z)
+  const glm::dvec3 start(glm::dvec2(origin) - glm::floor(glm::dvec2(origin)), origin.z);
+  return impl_->march(start, direction * impl_->per_length, 1e-9, (1e-6 - origin.z) / direction.z)
       .has_value();
 }
 

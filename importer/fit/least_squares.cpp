@@ -42,9 +42,12 @@ double solve(const LeastSquares& least_squares, const std::vector<int>& held, st
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.logging_type = ceres::SILENT;
-  options.max_num_iterations = 100;
+  options.max_num_iterations = 2000;
   options.num_threads = 1;
-  options.function_tolerance = 1e-10;
+  // Relative all of them: a gradient's size says nothing where nobody knows how bright white is.
+  options.function_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  options.gradient_tolerance = 0;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return summary.final_cost;

@@ -65,13 +65,16 @@ class MaterialSource : public BtfSource {
     const int side = sampling_.side, lights = sampling_.lights.size();
     const size_t texels = size_t(side) * side;
     const glm::dvec3 wo = sampling_.views.samples[view];
+    // A BTF's values are in white units, pi times radiance under unit irradiance.
+    const double scale = double(evaluator_.material().value_scale) * kPi;
+    const float white = std::abs(scale - 1) < 1e-6 ? 1.0f : static_cast<float>(scale);
     std::vector<glm::vec3> values(texels * lights);
     for (size_t texel = 0; texel < texels; ++texel) {
       const glm::dvec2 centre((texel % side + .5) / side, (texel / side + .5) / side);
       const Hit<float> hit = hitAt(evaluator_, sampling_, centre, wo);
       for (int l = 0; l < lights; ++l)
         values[l * texels + texel] =
-            evaluator_.evaluate(hit, glm::vec3(sampling_.lights.samples[l]), glm::vec3(wo));
+            white * evaluator_.evaluate(hit, glm::vec3(sampling_.lights.samples[l]), glm::vec3(wo));
     }
     return values;
   }

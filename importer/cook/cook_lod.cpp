@@ -1,9 +1,13 @@
+#include <cmath>
+#include <cstdio>
+
 #include "importer/cook/meta.h"
 #include "importer/cook/modes.h"
 #include "importer/fit/band_fit.h"
 #include "importer/fit/grid_table.h"
 #include "importer/fit/measure.h"
 #include "importer/fit/ratio_fit.h"
+#include "material/asset/asset.h"
 #include "material/base/issues.h"
 #include "material/model/leading_part.h"
 
@@ -120,6 +124,42 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
   return m;
 }
 
+// Divides all texels but the ratio layer's, where they are floats: their scales are 1.
+void divideWeights(Band& band, double unit) {
+  Texture& t = band.weights;
+  for (int mip = 0; mip < t.mips; ++mip)
+    for (int z = 0; z < t.depth; ++z)
+      for (int y = 0; y < t.mipHeight(mip) && !(band.ratio && z == band.quads()); ++y)
+        for (int x = 0; x < t.mipWidth(mip); ++x)
+          storeTexel(t, mip, x, y, z, fetchTexel(t, mip, x, y, z) / static_cast<float>(unit));
+}
+
+// Files, and the half floats of light from all around, hold what is within some powers of ten of white. What
+// the material says is divided by a power of two that brings the BTF's largest value to 1..2 there, and
+// value_scale multiplied.
+void bringIntoRange(Material& m, double largest, bool quiet) {
+  if (largest == 0 || (largest <= 64 && largest >= 1.0 / 64)) return;
+  // At most 2^17, as files have no value_scale beyond 65504.
+  const double unit = std::exp2(std::min(std::floor(std::log2(largest)), 17.0));
+  const auto divide = [unit](float& value) { value = static_cast<float>(double(value) / unit); };
+  for (float* k : {&m.mean.ka, &m.mean.kd, &m.mean.ks}) divide(*k);
+  if (m.mean.chroma == MeanChroma::kConstant) divide(m.mean.cb), divide(m.mean.cr);
+  for (Band& band : m.bands) {
+    if (band.weights.format == TexelFormat::kRGBA32Sfloat)
+      divideWeights(band, unit);
+    else
+      // Components without weight have a scale of 1 whatever the values are.
+      for (glm::vec4& scale : band.quad_scale)
+        scale = glm::min(scale / static_cast<float>(unit), glm::vec4(AssetLimits::kMaxValue));
+  }
+  m.value_scale *= static_cast<float>(unit);
+  if (!quiet)
+    std::fprintf(
+        stderr,
+        "%s: values go up to %g of white; they are stored divided by %g, with as much in value_scale\n",
+        m.name.c_str(), largest, unit);
+}
+
 }  // namespace
 
 Status checkLevels(int levels, int side) {
@@ -144,6 +184,7 @@ Result<Material> cookLod(const BtfSource& source, const CookOptions& options) {
   splitLeadingParts(*m);
   const BtfError error = measureError(*m, *btf, source.lights(), source.views(), {}, options.threads);
   m->meta_json = cookMeta(*m, source.name(), presetName(options.preset), &error);
+  bringIntoRange(*m, largestValue(*btf, options.threads), options.quiet);
   return m;
 }
 

@@ -26,7 +26,8 @@ YccBtf::YccBtf(int side, int lights, int views)
     : YccBtf(side, lights, views,
              valuesOf(side, lights, views) * sizeof(float) <= kFloatLimit ? Store::kFloat : Store::kHalf) {}
 
-YccBtf::YccBtf(int side, int lights, int views, Store store) : side_(side), lights_(lights), views_(views) {
+YccBtf::YccBtf(int side, int lights, int views, Store store, double unit)
+    : side_(side), lights_(lights), views_(views), unit_(store == Store::kHalf ? unit : 1) {
   const size_t values = valuesOf(side, lights, views);
   if (store == Store::kFloat)
     floats_.resize(values);
@@ -35,11 +36,11 @@ YccBtf::YccBtf(int side, int lights, int views, Store store) : side_(side), ligh
 }
 
 YccBtf YccBtf::halved() const {
-  return {side_ / 2, lights_, views_, halves_.empty() ? Store::kFloat : Store::kHalf};
+  return {side_ / 2, lights_, views_, storeOf(), unit_};
 }
 
 float YccBtf::largest() const {
-  return halves_.empty() ? std::numeric_limits<float>::max() : 65504.0f;
+  return halves_.empty() ? std::numeric_limits<float>::max() : float(65504 * unit_);
 }
 
 size_t YccBtf::offset(int channel, int view) const {
@@ -53,7 +54,7 @@ void YccBtf::store(int channel, int view, std::span<const float> values) {
     if (halves_.empty())
       floats_[at + i] = values[i];
     else
-      halves_[at + i] = halfFromFloat(values[i]);
+      halves_[at + i] = halfFromFloat(float(values[i] / unit_));
   }
 }
 
@@ -61,67 +62,102 @@ void YccBtf::read(int channel, int view, Matrix& into) const {
   const size_t at = offset(channel, view), count = size_t(lights_) * size_t(texels());
   if (into.rows != texels() || into.cols != lights_) into = Matrix(texels(), lights_);
   for (size_t i = 0; i < count; ++i)
-    into.data[i] = halves_.empty() ? double(floats_[at + i]) : double(floatFromHalf(halves_[at + i]));
+    into.data[i] = halves_.empty() ? double(floats_[at + i]) : unit_ * double(floatFromHalf(halves_[at + i]));
 }
 
 namespace {
 
 struct NonFinite {
   size_t count = 0, first = 0;  // first: light * texels + texel
+  double largest = 0;           // finite magnitude
 };
 
+// What the storage cannot hold is not stored.
 NonFinite storeView(YccBtf& btf, int view, const std::vector<glm::vec3>& rgb) {
   NonFinite bad;
   std::vector<float> planes[3];
   for (auto& plane : planes) plane.resize(rgb.size());
   for (size_t i = 0; i < rgb.size(); ++i) {
-    const glm::vec3& c = rgb[i];
-    const glm::dvec3 ycc = yccFromRgb(glm::dvec3(c));
-    // Not finite, or beyond the storage.
-    if (!(std::max({std::abs(ycc.x), std::abs(ycc.y), std::abs(ycc.z)}) <= double(btf.largest()))) {
+    const glm::dvec3 ycc = yccFromRgb(glm::dvec3(rgb[i]));
+    const double magnitude = std::max({std::abs(ycc.x), std::abs(ycc.y), std::abs(ycc.z)});
+    if (!(magnitude <= double(std::numeric_limits<float>::max()))) {
       if (bad.count++ == 0) bad.first = i;
       continue;
     }
+    bad.largest = std::max(bad.largest, magnitude);
+    if (magnitude > double(btf.largest())) continue;
     for (int k = 0; k < 3; ++k) planes[k][i] = static_cast<float>(ycc[k]);
   }
   for (int k = 0; k < 3; ++k) btf.store(k, view, planes[k]);
   return bad;
 }
 
-Issue nonFiniteIssue(const BtfSource& source, const YccBtf& btf, int view, const NonFinite& bad) {
-  char largest[32];
-  std::snprintf(largest, sizeof largest, "%g", double(btf.largest()));
+Issue nonFiniteIssue(const BtfSource& source, int view, const NonFinite& bad) {
   const size_t side = size_t(source.size().x), texels = side * side, texel = bad.first % texels;
   return {issue_id::kNonFinite, Severity::kError, source.name(),
-          std::to_string(bad.count) + " values are not finite, or above " + largest + ", in view " +
-              std::to_string(view) + ", the first at light " + std::to_string(bad.first / texels) +
-              ", texel (" + std::to_string(texel % side) + ", " + std::to_string(texel / side) +
+          std::to_string(bad.count) + " values are not finite in view " + std::to_string(view) +
+              ", the first at light " + std::to_string(bad.first / texels) + ", texel (" +
+              std::to_string(texel % side) + ", " + std::to_string(texel / side) +
               "); repair the input, or let --fix-nonfinite do it"};
 }
 
-}  // namespace
-
-Result<YccBtf> loadYcc(const BtfSource& source, int threads) {
-  if (source.size().x != source.size().y)
-    return Issue{issue_id::kOption, Severity::kError, source.name(),
-                 "is " + std::to_string(source.size().x) + " x " + std::to_string(source.size().y) +
-                     " texels; only squares can be cooked: cut the images to a square"};
-  YccBtf btf(source.size().x, source.lights().size(), source.views().size());
+// All views into `btf`. Returns the largest magnitude there is, stored or not.
+Result<double> storeViews(const BtfSource& source, YccBtf& btf, int threads) {
   std::vector<std::optional<Issue>> issues(size_t(btf.views()));
+  std::vector<double> largest(size_t(btf.views()), 0.0);
   parallelFor(size_t(btf.views()), threads, [&](size_t i) {
     const int v = static_cast<int>(i);
     auto rgb = source.view(v);
     if (!rgb) {
-      issues[size_t(v)] = rgb.issue();
+      issues[i] = rgb.issue();
       return;
     }
     LODEN_CHECK_EQ(rgb->size(), size_t(btf.lights()) * size_t(btf.texels()));
     const NonFinite bad = storeView(btf, v, *rgb);
-    if (bad.count) issues[size_t(v)] = nonFiniteIssue(source, btf, v, bad);
+    largest[i] = bad.largest;
+    if (bad.count) issues[i] = nonFiniteIssue(source, v, bad);
   });
   for (auto& issue : issues)
     if (issue) return *issue;
+  return *std::max_element(largest.begin(), largest.end());
+}
+
+// Of halves: the largest value becomes some 2^8, and all down to 2^-22 of it keep 11 bits. 1 where values are
+// about white anyway.
+double unitFor(double largest) {
+  if (largest == 0 || (largest <= 0x1p12 && largest >= 0x1p-2)) return 1;
+  return std::exp2(std::floor(std::log2(largest)) - 8);
+}
+
+}  // namespace
+
+Result<YccBtf> loadYcc(const BtfSource& source, int threads, std::optional<YccBtf::Store> store) {
+  if (source.size().x != source.size().y)
+    return Issue{issue_id::kOption, Severity::kError, source.name(),
+                 "is " + std::to_string(source.size().x) + " x " + std::to_string(source.size().y) +
+                     " texels; only squares can be cooked: cut the images to a square"};
+  const int side = source.size().x, lights = source.lights().size(), views = source.views().size();
+  YccBtf btf = store ? YccBtf(side, lights, views, *store) : YccBtf(side, lights, views);
+  auto largest = storeViews(source, btf, threads);
+  if (!largest) return largest.issue();
+  const double unit = unitFor(*largest);
+  if (btf.storeOf() == YccBtf::Store::kFloat || unit == 1) return btf;
+  btf = YccBtf(side, lights, views, YccBtf::Store::kHalf, unit);
+  largest = storeViews(source, btf, threads);
+  if (!largest) return largest.issue();
   return btf;
+}
+
+double largestValue(const YccBtf& btf, int threads) {
+  std::vector<double> largest(size_t(btf.views()), 0.0);
+  parallelFor(size_t(btf.views()), threads, [&](size_t v) {
+    Matrix plane;
+    for (int c = 0; c < 3; ++c) {
+      btf.read(c, int(v), plane);
+      for (const double value : plane.data) largest[v] = std::max(largest[v], std::abs(value));
+    }
+  });
+  return *std::max_element(largest.begin(), largest.end());
 }
 
 YccBtf limited(YccBtf btf, double most, int threads) {

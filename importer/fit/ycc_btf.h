@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,10 @@ namespace loden::importer {
 // 256 x 256 x 81 x 81 set takes 2.6 GB.
 class YccBtf {
  public:
+  enum class Store { kFloat, kHalf };
   YccBtf(int side, int lights, int views);
+  // Halves are stored divided by `unit`, a power of two, so that values far from white keep their 11 bits.
+  YccBtf(int side, int lights, int views, Store store, double unit = 1);
   // An empty one of half the side, stored as this one is.
   YccBtf halved() const;
 
@@ -31,19 +35,22 @@ class YccBtf {
   void read(int channel, int view, Matrix& into) const;
 
   static constexpr size_t kFloatLimit = size_t(1) << 30;  // bytes
+  Store storeOf() const { return halves_.empty() ? Store::kFloat : Store::kHalf; }
 
  private:
-  enum class Store { kFloat, kHalf };
-  YccBtf(int side, int lights, int views, Store store);
   size_t offset(int channel, int view) const;
   int side_, lights_, views_;
+  double unit_;
   std::vector<float> floats_;
   std::vector<uint16_t> halves_;
 };
 
-// Reads all views. A value that is not finite, or that the storage cannot hold, is an error with count and
-// first place.
-Result<YccBtf> loadYcc(const BtfSource& source, int threads);
+// Reads all views, twice if they go to halves and are far from white. A value that is not finite is an error
+// with count and first place. `store`: in place of what the size asks for.
+Result<YccBtf> loadYcc(const BtfSource& source, int threads, std::optional<YccBtf::Store> store = {});
+
+// The largest magnitude of Y, Cb and Cr.
+double largestValue(const YccBtf& btf, int threads);
 
 // The same images with values of a luma above `most` scaled down to it, colour kept.
 YccBtf limited(YccBtf btf, double most, int threads);

@@ -61,8 +61,10 @@ double worst(const Material& material, const SyntheticSource& source, double whi
     const glm::dvec2 x = glm::dvec2(texel % side + 0.5, texel / side + 0.5) / double(side);
     const glm::dvec3 wi = source.lights().samples[random() % uint64_t(directions)],
                      wo = source.views().samples[random() % uint64_t(directions)];
+    // What is far from white is stored in a unit of its own.
+    const double unit = double(material.value_scale) * kPi;
     const glm::dvec3 off =
-        evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo) - source.valueAt(x, wi, wo);
+        unit * evaluator.evaluate(evaluator.findHit(x, 0.0, wo), wi, wo) - source.valueAt(x, wi, wo);
     most = std::max({most, std::abs(off.x), std::abs(off.y), std::abs(off.z)});
     if (!std::isfinite(off.x + off.y + off.z)) return INFINITY;
   }

@@ -93,6 +93,8 @@ vec3 loden_evaluate_near(LodenNear near, vec3 wi, vec3 wo) {
 #define LODEN_VISIBILITY
 // V(P, wi): false where the lookup along wi meets the tile before P.
 bool loden_light_reaches(LodenHit hit, vec3 wi) {
+  // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
+  wi = loden_clamp_theta(wi, vec4(0.0, LODEN_VDIM_COS, LODEN_VDIM_SIN, 0.0));
   vec2 slope = loden_bounded_slope(wi);
   vec2 turn = hit.curvature * slope;
   float bend = dot(slope, turn);

@@ -157,7 +157,9 @@ V3<T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point
 
 template <class T>
 bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface, const V3<T>& position,
-                  V2<T> p, const V3<T>& wi, int* fetches) {
+                  V2<T> p, const V3<T>& light, int* fetches) {
+  // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
+  const V3<T> wi = clampTheta(light, T(kThetaMax));
   const V2<T> slope = boundedSlope(wi);
   const V2<T> turn = surface.curvature * slope;
   const T bend = glm::dot(slope, turn);

@@ -129,8 +129,8 @@ TEST(StressRays, NoneLeaksThroughGeometryImages) {
           const auto hit = tracer.traceView(glm::dvec2(target) - glm::dvec2(wo) / wo.z * target.z, wo);
           nothing += !hit;
           // Far away x is rounded, and the ray with it: it has to be that of the rounded x in the first
-          // period. In the nearest thousand a double is right to 1e-13, and steps of 2 in a texel have a
-          // slope of 100.
+          // period. In the nearest thousand a double is right to 1.1e-13, which faces that are steep or
+          // nearly along the ray magnify.
           const bool far = glm::length(offset) > 2e3;
           if (far) {
             const glm::dvec2 x = glm::dvec2(target) - glm::dvec2(wo) / wo.z * target.z;
@@ -138,7 +138,7 @@ TEST(StressRays, NoneLeaksThroughGeometryImages) {
             moved += hit && same &&
                      largestOf(hit->position - same->position - glm::dvec3(glm::floor(x), 0)) > 1e-9;
           }
-          passed += !far && hit && hit->position.z < target.z - 1e-10;
+          passed += !far && hit && hit->position.z < target.z - 1e-8;
           // From a little below the surface no way leads to the sky, but over a lying edge of an overhang.
           if (k % 8 != 0) continue;
           glm::dvec3 from = target - glm::dvec3(0, 0, 1e-6 + 1e-3 * depth * uniform(seed, 9));

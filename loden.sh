@@ -13,7 +13,7 @@ readonly PACKAGES=(
   libegl-dev libeigen3-dev libembree-dev libepoxy-dev libfmt-dev libglfw3-dev libglm-dev libgtest-dev
   libimgui-dev libmeshoptimizer-dev libopenimageio-dev libosd-dev libpng-dev libstb-dev libtbb-dev
   libtinygltf-dev libturbojpeg0-dev libvulkan-dev libwebp-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
-  libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers python3 xvfb zstd
+  libegl-mesa0 libgl1-mesa-dri libgles2 glslang-tools mesa-vulkan-drivers python3 xdotool xvfb zstd
 )
 # llvmpipe, if that draws: 8-bit textures at full precision, in every verb alike.
 export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling}
@@ -22,17 +22,21 @@ usage() {
   cat <<'TEXT'
 usage: ./loden.sh VERB
 
-  demo      bake the four builtin tiles, cook them, walk through the gallery; ends by naming a picture
-  test      build everything and run all tests
-  bench     build and run the benchmarks
+  demo      bake the four builtin tiles, cook them, walk through the gallery; ends by naming a picture, and
+            how to walk by hand. 12 min, 6 of them compiling; 1 GB
+  test      build everything and run all tests. Some 30 min, half a GB
+  bench     build and run the benchmarks. Some 30 min more than the build
   stress    the tests of numerical stability at full length; writes tests/stress/RESULTS.md
-  studies   run the papers' studies; tables and JSON below out/studies
-  pictures  ray traced truth beside the three modes, near, far and magnified: PSNR, FLIP and one picture
-  build     build the libraries, the tools and the tests
+  studies   run the papers' studies; tables and JSON below out/studies. Hours, 3 GB; studies NAME TILE runs
+            one, of one tile: 1 to 3 min for most
+  pictures  ray traced truth beside the three modes, near, far and magnified: PSNR, FLIP and one picture.
+            10 min more than the demo
+  build     build the libraries, the tools and the tests. 10 min, 0.2 GB
   format    format the code and wrap the text, as the tests want it
   clean     remove build/ and out/
   help      this text
 
+Times are those of two cores.
 The first run on a fresh Debian 12 installs packages (as root, or with sudo).
 Environment: LODEN_JOBS=N, parallel compilations (default: by cores and memory).
 TEXT
@@ -191,7 +195,7 @@ cook_tile() {
 }
 
 verb_demo() {
-  build loden loden_walk loden_gallery
+  build loden loden_walk loden_gallery loden_rooms
   mkdir -p "$LOGS" out/demo/scene
   : >"$LOGS/tools.log"
   local tile baked asset scene=$BUILD/gallery/gallery.gltf packed=out/demo/scene/gallery.gltf
@@ -203,7 +207,19 @@ verb_demo() {
     scene=$packed
   done
   walk "$packed" --size 800x600 --frames 60
+  local rooms=out/demo/rooms/rooms.gltf from=$BUILD/rooms/rooms.gltf
+  mkdir -p "${rooms%/*}"
+  for tile in "${TILES[@]}"; do
+    asset=$(cook_tile "$tile" "out/bake/$tile-64" fused --mode fused)
+    tool "packing $tile into the rooms" "$BIN/loden" pack "$from" --material "$tile" --asset "$asset" \
+      --period 5cm --fit-fallback -o "$rooms"
+    from=$rooms
+  done
   say "picture: $PWD/out/demo/contact_sheet.png"
+  say "to walk by hand, through rooms full of these materials (H shows the keys):"
+  say "  $PWD/$BIN/loden_walk $PWD/$rooms"
+  say "with one of them on a scene of yours:"
+  say "  $PWD/$BIN/loden_walk SCENE.glb --material NAME --asset $PWD/$asset --period 2cm"
 }
 
 # walk SCENE OPTION...: captures the scripted walk into out/demo, unless the same walk is there already.
@@ -246,12 +262,23 @@ verb_stress() {
   say "numbers: $PWD/tests/stress/RESULTS.md"
 }
 
+# verb_studies [NAME [TILE]]: one study, of one tile; or all.
 verb_studies() {
   build loden bench_time_error picture_grid
   mkdir -p "$LOGS" out/studies
-  local study
+  local study names
   : >"$LOGS/tools.log"
-  for study in $("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p'); do
+  names=$("$BIN/loden" study --help | sed -n '/^Studies:/,$s/^  *\([a-z][a-z-]*\)  .*/\1/p')
+  if (($# > 0)); then
+    grep -qx -- "$1" <<<"$names" || die "there is no study $1; there are: ${names//$'\n'/, }"
+    local out=out/studies/$1${2:+-$2}
+    tool "study $1${2:+ of $2}" "$BIN/loden" study "$1" ${2:+--tile "$2"} --bakes out/studies/bakes \
+      --json "$out.json" --csv "$out.csv" --pictures out/studies/pictures
+    tail -n +2 "$LOGS/tools.log"
+    say "JSON and CSV: $PWD/$out.json, $PWD/$out.csv"
+    return
+  fi
+  for study in $names; do
     tool "study $study" "$BIN/loden" study "$study" --bakes out/studies/bakes \
       --json "out/studies/$study.json" \
       --csv "out/studies/$study.csv" --pictures out/studies/pictures
@@ -288,7 +315,11 @@ verb_format() {
 verb_clean() { rm -rf build out; }
 
 case ${1:-help} in
-  demo | test | bench | stress | studies | pictures | build | format | clean)
+  studies)
+    (($# <= 3)) || die "studies takes a study and a tile, or nothing"
+    verb_studies "${@:2}"
+    ;;
+  demo | test | bench | stress | pictures | build | format | clean)
     (($# == 1)) || die "the verb $1 takes no arguments"
     "verb_$1"
     ;;

@@ -73,6 +73,8 @@ Player::Player(World& world, const Options& options)
       picture_(world),
       last_(Clock::now()) {
   state_.budget_mb = options.budget_mb;
+  constexpr double kRoomForPanel = 560;
+  state_.panel = windowSize().x >= kRoomForPanel;
   control_.setScale(sceneScale());
   environments_ = {Lighting{}, neutralLighting()};
   environment_ = !world.lighting.panorama ? 0 : world.lighting.neutral ? 1 : 2;

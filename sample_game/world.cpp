@@ -1,5 +1,6 @@
 #include "sample_game/world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/matrix_transform.hpp>
@@ -182,8 +183,12 @@ MaterialSystemOptions materialOptions(const Options& options) {
 }
 
 // On a surface: what `loden trace` draws, nothing else. In a scene: a picture.
-FrameSettings frameSettings(const Options& options) {
+FrameSettings frameSettings(const Options& options, const Scene& scene) {
   FrameSettings settings;
+  // By day something is bright behind the windows.
+  if (std::any_of(scene.lights.begin(), scene.lights.end(),
+                  [](const Light& light) { return light.kind == LightKind::kSun; }))
+    settings.background = {0.36f, 0.52f, 0.78f};
   settings.lambda_rule = options.lambda_rule;
   settings.lambda = options.lambda;
   settings.parallax_depth = options.parallax_depth;
@@ -237,7 +242,7 @@ Result<World> makeWorld(const Options& options) {
                  "loden_walk: %s has no Loden material, its own are drawn; --material NAME --asset X.loden "
                  "puts one on\n",
                  options.scene.c_str());
-  FrameSettings settings = frameSettings(options);
+  FrameSettings settings = frameSettings(options, *scene);
   Result<Lighting> lighting = makeLighting(options, *scene);
   if (!lighting) return lighting.issue();
   lighting->apply(settings);

@@ -263,11 +263,14 @@ Status readPrimitive(Reader& reader, size_t mesh_index, size_t index) {
 
   Mesh mesh;
   mesh.name = source.name;
-  for (auto* read : {&readPositions, &readTriangles, &readUvs, &readColors, &readInfluences, &readTargets,
-                     &readNormals, &readTangents})
-    if (Status status = read(reader, primitive, place, mesh); !status) return status;
   const auto subdivision = readSubdivision(reader, source.extras, at("meshes", mesh_index));
   if (!subdivision) return subdivision.issue();
+  for (auto* read : {&readPositions, &readTriangles, &readUvs, &readColors, &readInfluences, &readTargets})
+    if (Status status = read(reader, primitive, place, mesh); !status) return status;
+  // Normals of a cage are those of its limit surface, and its quads must stay in one piece.
+  for (auto* read : {&readNormals, &readTangents})
+    if (!*subdivision)
+      if (Status status = read(reader, primitive, place, mesh); !status) return status;
   if (*subdivision) {
     auto limit = limitSurface(mesh, (*subdivision)->levels, reader.file + ": " + place);
     if (!limit) return limit.issue();

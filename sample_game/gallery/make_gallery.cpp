@@ -2,111 +2,18 @@
 // Each of the materials button, isba, pulli and sponge hangs on a wall as cloth, covers a pot, and lies on
 // the floor as a strip of 30 m. `loden pack` gives them their assets; until then the factors below stand in.
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "sample_game/gallery/scene_writer.h"
 #include "sample_game/gallery/shapes.h"
 
 namespace gallery {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr float kLength = 33, kHalfWidth = 3.6f,
                 kHeight = 4;  // of the hall, metres; it runs from z = 2 to -31
 constexpr float kNear = 2;
-
-Json vec(glm::vec3 v) {
-  return {v.x, v.y, v.z};
-}
-
-// The document and its one buffer.
-class Writer {
- public:
-  Writer() {
-    json_["asset"] = {{"version", "2.0"}, {"generator", "Loden make_gallery"}};
-    json_["extensionsUsed"] = {"KHR_lights_punctual"};
-    json_["scene"] = 0;
-    json_["scenes"] = {{{"name", "gallery"}, {"nodes", Json::array()}}};
-  }
-
-  int addMaterial(const std::string& name, glm::vec3 color, float roughness, bool double_sided) {
-    Json material{{"name", name},
-                  {"pbrMetallicRoughness",
-                   {{"baseColorFactor", {color.x, color.y, color.z, 1.0f}},
-                    {"metallicFactor", 0},
-                    {"roughnessFactor", roughness}}}};
-    if (double_sided) material["doubleSided"] = true;
-    return append("materials", material);
-  }
-
-  int addMesh(const std::string& name, const Shape& shape, int material) {
-    glm::vec3 low(1e9f), high(-1e9f);
-    for (const glm::vec3& p : shape.positions) low = glm::min(low, p), high = glm::max(high, p);
-    const int positions = addAccessor(shape.positions, 5126, "VEC3", 34962);
-    json_["accessors"][positions]["min"] = vec(low);
-    json_["accessors"][positions]["max"] = vec(high);
-    const int uvs = addAccessor(shape.uvs, 5126, "VEC2", 34962);
-    std::vector<uint16_t> indices;
-    for (const auto& q : shape.quads) indices.insert(indices.end(), {q[0], q[1], q[2], q[0], q[2], q[3]});
-    Json mesh{{"name", name},
-              {"primitives",
-               {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uvs}}},
-                 {"indices", addAccessor(indices, 5123, "SCALAR", 34963)},
-                 {"material", material}}}}};
-    if (shape.is_cage) mesh["extras"]["loden_subdivision"] = {{"levels", 3}, {"quads", true}};
-    return append("meshes", mesh);
-  }
-
-  void addNode(Json node) {
-    const int index = append("nodes", std::move(node));  // first: a new member moves the others
-    json_["scenes"][0]["nodes"].push_back(index);
-  }
-  void addLight(Json light, glm::vec3 position, Json rotation = {}) {
-    Json& lights = json_["extensions"]["KHR_lights_punctual"]["lights"];
-    Json node{{"name", light["name"]}, {"translation", vec(position)}};
-    if (!rotation.is_null()) node["rotation"] = rotation;
-    node["extensions"]["KHR_lights_punctual"]["light"] = lights.size();
-    lights.push_back(std::move(light));
-    addNode(std::move(node));
-  }
-  int addCamera(const Json& camera) { return append("cameras", camera); }
-
-  bool write(const std::filesystem::path& folder) {
-    json_["buffers"] = {{{"uri", "gallery.bin"}, {"byteLength", buffer_.size()}}};
-    std::ofstream binary(folder / "gallery.bin", std::ios::binary);
-    binary.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    std::ofstream text(folder / "gallery.gltf", std::ios::binary);
-    text << json_.dump(1, '\t') << '\n';
-    binary.close();
-    text.close();
-    return binary && text;
-  }
-
- private:
-  int append(const char* array, Json value) {
-    json_[array].push_back(std::move(value));
-    return static_cast<int>(json_[array].size()) - 1;
-  }
-
-  template <class T>
-  int addAccessor(const std::vector<T>& values, int component, const char* type, int target) {
-    const size_t offset = buffer_.size(), bytes = values.size() * sizeof(T);
-    buffer_.resize((offset + bytes + 3) / 4 * 4);
-    std::memcpy(buffer_.data() + offset, values.data(), bytes);
-    const int view = append(
-        "bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}, {"target", target}});
-    return append(
-        "accessors",
-        {{"bufferView", view}, {"componentType", component}, {"count", values.size()}, {"type", type}});
-  }
-
-  Json json_;
-  std::vector<char> buffer_;
-};
 
 struct Exhibit {
   const char* name;
@@ -124,7 +31,7 @@ const Exhibit kExhibit[kExhibits] = {
     {"sponge", {.75f, .60f, .22f}, .8f, &jar, 2.1f, 1, -5.2f},
 };
 
-void addHall(Writer& writer) {
+void addHall(SceneWriter& writer) {
   const int plaster = writer.addMaterial("plaster", {.62f, .60f, .56f}, .95f, false);
   const int planks = writer.addMaterial("floor", {.30f, .24f, .19f}, .7f, false);
   const auto add = [&](const char* name, glm::vec3 min, glm::vec3 max, int material) {
@@ -142,7 +49,7 @@ void addHall(Writer& writer) {
   add("right ceiling", {kSkylight, kHeight, kFar - kThick}, {kOuter, kTop, kNear + kThick}, plaster);
 }
 
-void addExhibit(Writer& writer, const Exhibit& exhibit, int pedestal) {
+void addExhibit(SceneWriter& writer, const Exhibit& exhibit, int pedestal) {
   const std::string name = exhibit.name;
   const int material = writer.addMaterial(name, exhibit.color, exhibit.roughness, true);
   const glm::vec3 stand(exhibit.lane, 0.8f, -1.2f);
@@ -169,7 +76,7 @@ void addExhibit(Writer& writer, const Exhibit& exhibit, int pedestal) {
          {"translation", {exhibit.lane - 0.5f * kWidth, 0.004f, 0.3f - kPiece * static_cast<float>(i)}}});
 }
 
-void addLights(Writer& writer) {
+void addLights(SceneWriter& writer) {
   // A rotation that turns -z to the way the sunlight goes: down, a little to the left and away.
   writer.addLight(
       {{"name", "sun"}, {"type", "directional"}, {"color", {1.0, 0.95, 0.86}}, {"intensity", 2.6}}, {0, 6, 0},
@@ -185,7 +92,7 @@ void addLights(Writer& writer) {
 }
 
 bool writeGallery(const std::filesystem::path& folder) {
-  Writer writer;
+  SceneWriter writer("gallery");
   addHall(writer);
   const int stone = writer.addMaterial("stone", {.35f, .35f, .37f}, .6f, false);
   const int pedestal = writer.addMesh("pedestal", box({-.3f, 0, -.3f}, {.3f, .8f, .3f}), stone);

@@ -138,6 +138,66 @@ Shape drapedCloth(float width, float height, int folds) {
   return shape;
 }
 
+Shape pullover() {
+  Shape shape;
+  shape.is_cage = true;
+  const std::vector<ProfilePoint> profile{{.225f, .86f}, {.232f, .875f},  {.222f, .95f},  {.215f, 1.05f},
+                                          {.235f, 1.2f}, {.240f, 1.3f},   {.215f, 1.4f},  {.130f, 1.465f},
+                                          {.078f, 1.5f}, {.072f, 1.545f}, {.064f, 1.55f}, {.062f, 1.5f}};
+  std::vector<Ring> rings = revolve(profile, 30);
+  for (Ring& ring : rings) ring.e2 = {0, 0, 0.62f};  // flatter than it is wide
+  addTube(shape, rings, 20, 30);
+  for (const float side : {-1.0f, 1.0f}) {
+    const std::vector<glm::vec3> sleeve{{side * .13f, 1.40f, .085f},  {side * .21f, 1.36f, .082f},
+                                        {side * .262f, 1.25f, .070f}, {side * .290f, 1.12f, .064f},
+                                        {side * .305f, 1.0f, .058f},  {side * .315f, .90f, .054f},
+                                        {side * .317f, .885f, .050f}, {side * .310f, .915f, .044f}};
+    addTube(shape, sweep(sleeve, 9), 10, 9);
+  }
+  return shape;
+}
+
+Shape skirt() {
+  constexpr int kRows = 8, kSegments = 72;
+  constexpr float kTop = 0.98f, kBottom = 0.3f, kPeriodsAround = 40;
+  Shape shape;
+  shape.is_cage = true;
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i <= kSegments; ++i) {
+      const float t = static_cast<float>(j) / (kRows - 1), drop = 1 - t;
+      const float phi = 2 * kPi * static_cast<float>(i % kSegments) / kSegments;
+      const float radius = .165f + .17f * drop + .028f * drop * std::cos(12 * phi + 0.5f * std::sin(2 * phi));
+      addVertex(shape,
+                {radius * std::sin(phi), kBottom + t * (kTop - kBottom), 0.8f * radius * std::cos(phi)},
+                {kPeriodsAround * static_cast<float>(i) / kSegments, t * (kTop - kBottom) / kPeriod});
+    }
+  addGridQuads(shape, 0, kSegments + 1, kRows);
+  return shape;
+}
+
+Shape cushion(float side) {
+  constexpr int kCells = 8;
+  const float half = side / 2, height = 0.32f * side;
+  Shape shape;
+  shape.is_cage = true;
+  // Two sheets, sewn together along the border: thick in the middle, with corners that stick out.
+  for (const float face : {1.0f, -1.0f}) {
+    const auto first = static_cast<uint16_t>(shape.positions.size());
+    for (int j = 0; j <= kCells; ++j)
+      for (int i = 0; i <= kCells; ++i) {
+        const float s = 2 * static_cast<float>(i) / kCells - 1, t = 2 * static_cast<float>(j) / kCells - 1;
+        const float bulge = std::pow((1 - s * s) * (1 - t * t), 0.4f);
+        const float pull_s = 1 - 0.07f * (1 - t * t) * std::abs(s),
+                    pull_t = 1 - 0.07f * (1 - s * s) * std::abs(t);
+        addVertex(shape,
+                  {half * s * pull_s, height * (0.5f + 0.5f * face * bulge), -half * t * pull_t * face},
+                  glm::vec2(half * s, half * t) / kPeriod);
+      }
+    addGridQuads(shape, first, kCells + 1, kCells + 1);
+  }
+  return shape;
+}
+
 Shape bottle() {
   Shape shape;
   shape.is_cage = true;

@@ -24,6 +24,12 @@ Shape box(glm::vec3 min, glm::vec3 max);
 // Cloth hanging from y = height down to 0, x from -width / 2 to width / 2, facing +z, in folds that open
 // downwards.
 Shape drapedCloth(float width, float height, int folds);
+// A pullover as on a tailor's dummy, its hem at y = 0.86 and its collar at 1.55, open below; and a skirt from
+// y = 0.3 to 0.98, in folds.
+Shape pullover();
+Shape skirt();
+// A square cushion of that side, lying on y = 0.
+Shape cushion(float side);
 // Cages of pots that stand on y = 0 around the y axis.
 Shape bottle();
 Shape teapot();

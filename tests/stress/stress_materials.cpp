@@ -143,6 +143,47 @@ glm::dvec3 smoothValue(int side, glm::dvec2 x, double lambda, const glm::dvec3& 
   return glm::max(rgb, glm::dvec3(0)) * std::min(wi.z / limit, 1.0);
 }
 
+namespace {
+
+// `texture` in another format; where that holds -1 to 1 only, each channel of each layer is divided by its
+// largest magnitude, which `scales` gets per layer.
+Texture converted(const Texture& texture, TexelFormat format, int layers, std::vector<glm::vec4>& scales) {
+  const bool normalised = format == TexelFormat::kRGBA8Snorm || format == TexelFormat::kRGBA16Snorm;
+  Texture out =
+      Texture::make(format, texture.shape, texture.width, texture.height, texture.depth, texture.mips);
+  const int depth = texture.depth / layers;  // slices of one
+  scales.assign(size_t(layers), glm::vec4(1));
+  for (int layer = 0; layer < layers; ++layer) {
+    const auto visit = [&](const auto& body) {
+      for (int mip = 0; mip < texture.mips; ++mip)
+        for (int z = layer * depth; z < (layer + 1) * depth; ++z)
+          for (int y = 0; y < texture.mipHeight(mip); ++y)
+            for (int x = 0; x < texture.mipWidth(mip); ++x) body(mip, x, y, z);
+    };
+    glm::vec4 most(0);
+    visit([&](int mip, int x, int y, int z) {
+      most = glm::max(most, glm::abs(fetchTexel(texture, mip, x, y, z)));
+    });
+    if (normalised) scales[size_t(layer)] = most;
+    visit([&](int mip, int x, int y, int z) {
+      storeTexel(out, mip, x, y, z, fetchTexel(texture, mip, x, y, z) / scales[size_t(layer)]);
+    });
+  }
+  return out;
+}
+
+}  // namespace
+
+Material stored(const Material& exact, TexelFormat format) {
+  Material m = exact;
+  Band& band = m.bands[0];
+  std::vector<glm::vec4> weights, table;
+  band.weights = converted(exact.bands[0].weights, format, band.quads(), weights);
+  band.table = converted(exact.bands[0].table, format, band.quads(), table);
+  for (size_t q = 0; q < band.quad_scale.size(); ++q) band.quad_scale[q] *= weights[q] * table[q];
+  return m;
+}
+
 std::vector<Material> edgeMaterials() {
   std::vector<Material> all{test::surfaceMaterial(), test::lodMaterial(), test::fusedMaterial(),
                             test::nearMaterial(),    smoothMaterial(),    planeMaterial(0.2)};

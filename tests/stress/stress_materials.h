@@ -15,6 +15,10 @@ double smoothWeight(int component, glm::dvec2 x);
 // What smoothMaterial shows, by its definition alone, in double: no stored table or texture is read.
 glm::dvec3 smoothValue(int side, glm::dvec2 x, double lambda, const glm::dvec3& wi, const glm::dvec3& wo);
 
+// The first band of `exact` in another format; where that holds -1 to 1 only, each component is divided by
+// its largest magnitude.
+Material stored(const Material& exact, TexelFormat format);
+
 // A plane `depth` tile lengths below the reference surface, of a side of texels.
 GeometryImage planeImage(int side, double depth, bool identity = true);
 

@@ -60,10 +60,10 @@ TEXT
 
 ## Time against error
 
-`stress_time_error tests/stress/time-error.svg`: 160 x 160 pixels, the least time of 15 rounds, all settings by
-turns; times are ratios to the first row of each block, shaders on llvmpipe with all cores, the evaluator on one.
-Bands are compared with their definition in double, look-ups and shadows with the traced tile (16 samples a
-pixel; what is left at best is aliasing).
+`stress_time_error tests/stress/time-error.svg`: 160 x 160 pixels, the least time of 15 rounds, all settings
+by turns; times are ratios to the 8-bit shader, the 8-bit evaluator and the plain map of each block, shaders
+on llvmpipe with all cores, the evaluator on one. Bands are compared with their definition in double, look-ups
+and shadows with the traced tile (16 samples a pixel; what is left at best is aliasing).
 
 | what | setting | time | PSNR, dB |
 |---|---|---|---|

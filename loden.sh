@@ -203,7 +203,7 @@ verb_demo() {
     baked=$(bake_tile "$tile")
     asset=$(cook_tile "$tile" "$baked" fused --mode fused)
     tool "packing $tile into the gallery" "$BIN/loden" pack "$scene" --material "$tile" --asset "$asset" \
-      --fit-fallback -o "$packed"
+      --scale 1,1 --fit-fallback -o "$packed"
     scene=$packed
   done
   walk "$packed" --size 800x600 --frames 60

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "material/base/issues.h"
+#include "material/model/color.h"
 #include "material/system/asset_io.h"
 
 namespace loden::walk {
@@ -34,7 +35,10 @@ Result<TileFacts> readTileFacts(const std::filesystem::path& asset) {
   facts.name = material.name.empty() ? asset.stem().string() : material.name;
   facts.period = double(material.period);
   facts.aspect = double(material.aspect);
-  facts.color = glm::vec3(std::clamp(material.mean.ka + material.mean.kd, 0.02f, 0.9f));
+  const PhongMean& mean = material.mean;
+  const double y = double(mean.ka + mean.kd), chroma = mean.chroma == MeanChroma::kRatio ? y : 1.0;
+  facts.color = glm::clamp(
+      glm::vec3(rgbFromYcc(glm::dvec3(y, double(mean.cb) * chroma, double(mean.cr) * chroma))), 0.02f, 0.9f);
   return facts;
 }
 

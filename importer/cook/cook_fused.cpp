@@ -160,18 +160,25 @@ constexpr int kErrorPoints = 2;       // evaluations per side of a texel
 // than this share of the error.
 constexpr double kDefaultGain = 0.95;
 
+void advance(Progress* progress, uint64_t steps) {
+  if (progress) progress->advance(steps);
+}
+
 // A near term and the coarse band that takes over from it.
 void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const BakedSurface& surface,
-             const YccBtf& half) {
+             const YccBtf& half, Progress* progress) {
   Material& m = fit.material;
   NearOptions near{surface.side / plan.surface_side, hasCoarseBand(plan, m.side),
                    plan.visibility.value_or(Visibility::kFast)};
   m.surface = nearMaps(surface, m.geometry, m.side, near, in.threads);
+  advance(progress, 2);
   if (near.with_bands) {
     m.bands.push_back(fitCoarseBand(in, plan, half));
     m.bands.back().window = {};
+    advance(progress, 3);
     m.lambda_max = coarsestLevelOf(m);
     fit.fades = chooseFade(m, in.btf, in.source.lights(), in.source.views(), in.threads);
+    advance(progress, 2);
   }
   const auto measure = [&](int points) {
     const Evaluator evaluator(m, onThreads(in.threads));
@@ -197,7 +204,7 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
 }
 
 // A flat-domain band through the lookup, and the coarse one.
-void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int lab_every) {
+void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int lab_every, Progress* progress) {
   Material& m = fit.material;
   const VdimAtlas atlas = buildVdimAtlas(m.geometry, m.atlas, onThreads(in.threads));
   VdimMaps maps;
@@ -207,6 +214,7 @@ void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int la
       [&](glm::dvec2 x, const glm::dvec3& wo) { return vdimLookup(maps, Lookup::kDefault, x, wo).p; },
       in.threads);
   m.bands.push_back(fitFlatBand(in, a, plan));
+  advance(progress, 6);
   if (hasCoarseBand(plan, m.side))
     m.bands.push_back(fitCoarseBand(in, plan, downsample(in.btf, BoxFilter::k2x2, in.threads)));
   fit.error = measureError(m, in.btf, in.source.lights(), in.source.views(), a, in.threads, lab_every);
@@ -215,7 +223,8 @@ void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int la
 }  // namespace
 
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
-                  const FusedPlan& plan, int threads, int lab_every, const BakedSurface* surface) {
+                  const FusedPlan& plan, int threads, int lab_every, const BakedSurface* surface,
+                  Progress* progress) {
   FusedFit fit;
   Material& m = fit.material;
   m.mode = Mode::kFused;
@@ -230,6 +239,7 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
     atlas = chooseAtlas(geometry, m.side, threads);
   m.atlas = atlas.size;
   fit.atlases = std::move(atlas.trials);
+  advance(progress, 2);
   m.theta_max = gridFor(source.lights()).theta_max;
   const bool near = plan.surface_side > 0 && surface;
   std::optional<YccBtf> half;
@@ -239,9 +249,9 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()),
                       threads};
   if (near)
-    fitNear(fit, in, plan, *surface, half ? *half : btf);
+    fitNear(fit, in, plan, *surface, half ? *half : btf, progress);
   else
-    fitBands(fit, in, plan, lab_every);
+    fitBands(fit, in, plan, lab_every, progress);
   m.lambda_max = coarsestLevelOf(m);
   splitLeadingParts(m);
   return fit;
@@ -336,7 +346,9 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   }
   const auto image = geometry(plan.geometry_side);
   if (!image) return image.issue();
-  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads, 0, &surface);
+  Progress progress("cook " + source.name() + ": fitting", kFusedSteps, options.quiet);
+  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads, 0, &surface, &progress);
+  progress.advance(kFusedSteps);  // whatever the plan left out
   fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error,
                                     measured, fit.atlases, &fit);
   return std::move(fit.material);

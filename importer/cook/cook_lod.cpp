@@ -47,6 +47,10 @@ struct ComponentCounts {
   int y, cb, cr;
 };
 
+void advance(Progress* progress, uint64_t steps) {
+  if (progress) progress->advance(steps);
+}
+
 // Components are given together: no chroma beside a number for Y means none.
 ComponentCounts countsOr(const CookOptions& options, ComponentCounts preset) {
   const ComponentCounts given{options.y_components, options.cb_components, options.cr_components};
@@ -56,7 +60,8 @@ ComponentCounts countsOr(const CookOptions& options, ComponentCounts preset) {
 
 // Ma et al. 2005, section 3, as published: 3 x 3 box, nearest up-sampling, PCA per level, Phong mean and
 // constant chroma at the top, 32-bit weights and tables, nearest direction.
-Result<Material> cookSeed(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
+Result<Material> cookSeed(const BtfSource& source, const YccBtf& btf, const CookOptions& options,
+                          Progress* progress) {
   const int levels = options.levels ? options.levels : 5;
   if (source.size().x % (1 << (levels - 1)) != 0) return levelsIssue(source, levels);
   const ComponentCounts counts = countsOr(options, {8, 2, 2});
@@ -87,13 +92,15 @@ Result<Material> cookSeed(const BtfSource& source, const YccBtf& btf, const Cook
     band.lambda_first = static_cast<float>(k);
     if (!top) band.window = {-2, -1, float(k), float(k + 1)};
     m.bands.push_back(std::move(band));
+    if (k == 0) advance(progress, 6);  // the finest level takes longer than all others
   }
   return m;
 }
 
 // One band over all levels: the value is linear in its weights, so filtering weights filters the BTF, and a
 // basis that does not change with lambda needs no pyramid of bases.
-Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
+Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const CookOptions& options,
+                               Progress* progress) {
   const bool reference = options.preset == Preset::kReference;
   const ComponentCounts counts =
       countsOr(options, reference ? ComponentCounts{24, 4, 4} : ComponentCounts{16, 0, 0});
@@ -108,6 +115,7 @@ Result<Material> cookMipMapped(const BtfSource& source, const YccBtf& btf, const
   BandFactors factors;
   factors.side = source.size().x;
   factors.y = meanFirstFactors(centredBlocks(btf, 0, mean), counts.y, options.threads);
+  advance(progress, 5);
   if (counts.cb > 0) {
     factors.cb = meanFirstFactors(centredBlocks(btf, 1, mean), counts.cb, options.threads);
     factors.cr = meanFirstFactors(centredBlocks(btf, 2, mean), counts.cr, options.threads);
@@ -170,20 +178,23 @@ Status checkLevels(int levels, int side) {
                    std::to_string(side) + " has"};
 }
 
-Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options) {
+Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options,
+                        Progress* progress) {
   if (const Status status = checkLevels(options.levels, source.size().x); !status) return status.issue();
-  return options.preset == Preset::kSeed ? cookSeed(source, btf, options)
-                                         : cookMipMapped(source, btf, options);
+  return options.preset == Preset::kSeed ? cookSeed(source, btf, options, progress)
+                                         : cookMipMapped(source, btf, options, progress);
 }
 
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options) {
   auto btf = loadYcc(source, options.threads);
   if (!btf) return btf.issue();
-  auto m = fitLod(source, *btf, options);
+  Progress progress("cook " + source.name() + ": fitting", kLodSteps, options.quiet);
+  auto m = fitLod(source, *btf, options, &progress);
   if (!m) return m;
   splitLeadingParts(*m);
   const BtfError error = measureError(*m, *btf, source.lights(), source.views(), {}, options.threads);
   m->meta_json = cookMeta(*m, source.name(), presetName(options.preset), &error);
+  progress.advance(kLodSteps);  // whatever is left
   bringIntoRange(*m, largestValue(*btf, options.threads), options.quiet);
   return m;
 }

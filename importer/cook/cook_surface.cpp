@@ -38,9 +38,11 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
   auto geometry = geometryOf(input, 0);
   if (!geometry) return geometry.issue();
   m.geometry = std::move(*geometry);
+  Progress progress("cook " + m.name + ": fitting", 4, options.quiet);
   AtlasChoice atlas;
   if (!m.geometry.empty()) atlas = chooseAtlas(m.geometry, m.side, options.threads);
   m.atlas = atlas.size;
+  progress.advance(2);
   m.surface = nearMaps(*baked, m.geometry, m.side,
                        {.visibility = options.visibility.value_or(Visibility::kNone)}, options.threads);
   m.lambda_max = std::max(m.surface->lambda_first + static_cast<float>(m.surface->color.mips - 1), 0.0f);
@@ -53,6 +55,7 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
   }
   if (const Status status = fitMean(input, options, m); !status.ok()) return status.issue();
   splitLeadingParts(m);
+  progress.advance(4);
   m.meta_json = cookMeta(m, manifest.tile, presetName(options.preset), nullptr, {}, atlas.trials);
   return m;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "importer/base/progress.h"
 #include "importer/cook/atlas_choice.h"
 #include "importer/cook/fade_choice.h"
 #include "importer/cook/near_term.h"
@@ -49,10 +50,11 @@ struct FusedFit {
 };
 
 // `geometry` is already at plan.geometry_side; `surface` is there if the plan has a near term. Deterministic
-// at any number of threads. lab_every: as in measureError.
+// at any number of threads. lab_every: as in measureError. The progress advances by kFusedSteps in all.
+inline constexpr uint64_t kFusedSteps = 13;
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
                   const FusedPlan& plan, int threads, int lab_every = 0,
-                  const BakedSurface* surface = nullptr);
+                  const BakedSurface* surface = nullptr, Progress* progress = nullptr);
 
 // Raw bytes that the file of a plan holds at most, without fitting it; exact for coarse_phis as chosen.
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "importer/base/progress.h"
 #include "importer/cook/cook.h"
 #include "importer/cook/near_term.h"
 #include "importer/fit/ycc_btf.h"
@@ -17,8 +18,10 @@ Status checkLevels(int levels, int side);
 
 // LBTF: bands in the reference domain. Preset seed as published, the others improved.
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
-// The same from data that is in memory already, without measuring.
-Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options);
+// The same from data that is in memory already, without measuring. The progress advances by kLodSteps in all.
+inline constexpr uint64_t kLodSteps = 8;
+Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options,
+                        Progress* progress = nullptr);
 
 // The near term, or fine bands in the flat domain; coarse bands in the reference domain.
 // A goal in `options` chooses the plan by measuring candidates.

@@ -53,3 +53,10 @@ vec2 loden_grid_position(vec3 w, vec4 theta_max) {
   phi = phi < 0.0 ? phi + 2.0 * LODEN_PI : phi;
   return vec2(phi / (2.0 * LODEN_PI), min(theta * theta_max.w, 1.0));
 }
+
+// Square [0,1]^2 from a direction above the plane, without trigonometry (the hemioct map of Cigolle et al.
+// 2014).
+vec2 loden_square_from_direction(vec3 w) {
+  float scale = 0.5 / (abs(w.x) + abs(w.y) + max(w.z, 0.0));
+  return vec2(w.x + w.y, w.x - w.y) * scale + 0.5;
+}

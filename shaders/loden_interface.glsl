@@ -53,6 +53,11 @@ uniform sampler2DArray loden_normal;  // repeat, trilinear, as all three
 LODEN_BINDING(LODEN_UNIT_COLOR(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_color;
 LODEN_BINDING(LODEN_UNIT_AMBIENT(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_ambient;
 #endif
+#ifdef LODEN_VISIBILITY_MAP
+LODEN_BINDING(LODEN_UNIT_SHADOW(LODEN_BANDS_OR_NONE)) uniform sampler2DArray loden_shadow;  // as those three
+LODEN_BINDING(LODEN_UNIT_SHADOW_TABLE(LODEN_BANDS_OR_NONE))
+uniform sampler2DArray loden_shadow_table;  // clamp, linear
+#endif
 
 // State of one drawn instance, or of one shading point, next to the material's block.
 struct LodenMaterial {
@@ -82,6 +87,9 @@ struct LodenNear {
   vec3 f0;         // GGX: reflectance at normal incidence
   float strength;  // Phong: value at the lobe's peak
   float width;     // Phong: exponent; GGX: alpha
+#ifdef LODEN_VISIBILITY_MAP
+  vec4 shadow[LODEN_VISIBILITY_MAP];  // of the shadow map
+#endif
 };
 
 // One shading point, shared by all lights.

@@ -4,6 +4,7 @@
 // (runtime/stream/shader_variants.h lists those in use):
 //   LODEN_NEAR, LODEN_BANDS n (1..LODEN_MAX_BANDS), or both    what the material is
 //   LODEN_VISIBILITY_FAST, _DEFAULT or none of them            cast shadows of the near term, by that lookup
+//   LODEN_VISIBILITY_MAP n (1..LODEN_MAX_SHADOW_QUADS)         or by a shadow map of n quads
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches

@@ -1,7 +1,7 @@
 // The near term of the equation, V(P, wi) A(p; wi, wo): what is known of the surface. Mirrors
 // material/eval/near_term.cpp name for name. Fetches: 2 per hit for A, shared by all lights; per light that
-// the surface faces those of the lookup for V (LODEN_VISIBILITY_FAST or _DEFAULT); 2 for light from all
-// around.
+// the surface faces those of the lookup for V (LODEN_VISIBILITY_FAST or _DEFAULT), or with a shadow map of n
+// quads (LODEN_VISIBILITY_MAP n) n, and n more per hit; 2 for light from all around.
 
 #ifdef LODEN_NEAR
 
@@ -68,6 +68,13 @@ LodenNear loden_near_point(vec2 p, float lambda) {
   near.f0 = mix(vec3(LODEN_DIELECTRIC), color.rgb, color.a);
   near.strength = color.a * loden_material.specular_scale;
   near.width = ggx ? max(width * width, LODEN_LEAST_ALPHA) : exp2(12.0 * width);
+#ifdef LODEN_VISIBILITY_MAP
+  float shadow_lod = lambda - loden_material.ambient_lambda;
+  for (int quad = 0; quad < LODEN_VISIBILITY_MAP; ++quad) {
+    LODEN_COUNT(LODEN_UNIT_SHADOW(LODEN_BANDS_OR_NONE), 1);
+    near.shadow[quad] = textureLod(loden_shadow, vec3(p, float(quad)), shadow_lod);
+  }
+#endif
   return near;
 }
 
@@ -88,6 +95,20 @@ vec3 loden_evaluate_near(LodenNear near, vec3 wi, vec3 wo) {
   vec3 fresnel = near.f0 + (1.0 - near.f0) * loden_schlick(dot(wi, half_));
   return near.diffuse * (diffuse * loden_ggx_coupling(near, nl, nv)) + fresnel * shine;
 }
+
+#ifdef LODEN_VISIBILITY_MAP
+// V(p, wi) by the shadow map.
+float loden_mapped_visibility(LodenNear near, vec3 wi) {
+  float side = loden_material.shadow_side;
+  vec2 at = (loden_square_from_direction(wi) * (side - 1.0) + 0.5) / side;
+  float shadow = 0.0;
+  for (int quad = 0; quad < LODEN_VISIBILITY_MAP; ++quad) {
+    LODEN_COUNT(LODEN_UNIT_SHADOW_TABLE(LODEN_BANDS_OR_NONE), 1);
+    shadow += dot(near.shadow[quad], textureLod(loden_shadow_table, vec3(at, float(quad)), 0.0));
+  }
+  return clamp(1.0 - shadow, 0.0, 1.0);
+}
+#endif
 
 #if defined(LODEN_VISIBILITY_FAST) || defined(LODEN_VISIBILITY_DEFAULT)
 #define LODEN_VISIBILITY
@@ -131,6 +152,10 @@ vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
 #ifdef LODEN_VISIBILITY
   if (hit.relief && !hit.missed && !loden_light_reaches(hit, wi)) return vec3(0.0);
 #endif
-  return loden_evaluate_near(hit.near, wi, wo);
+  vec3 open = loden_evaluate_near(hit.near, wi, wo);
+#ifdef LODEN_VISIBILITY_MAP
+  open *= loden_mapped_visibility(hit.near, wi);
+#endif
+  return open;
 }
 #endif  // LODEN_NEAR

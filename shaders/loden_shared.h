@@ -5,7 +5,8 @@
 
 #define LODEN_MAX_BANDS \
   8  // that one shader reads; files may hold more (LODEN limits in material/asset/asset.h)
-#define LODEN_MAX_QUADS 16  // of one band
+#define LODEN_MAX_QUADS 16        // of one band
+#define LODEN_MAX_SHADOW_QUADS 2  // of a shadow map
 
 #define LODEN_MAX_CURVATURE 1.0  // of a reference surface that the lookup follows, per tile length
 
@@ -31,7 +32,9 @@
 #define LODEN_UNIT_NORMAL(bands) (5 + 3 * (bands))
 #define LODEN_UNIT_COLOR(bands) (6 + 3 * (bands))
 #define LODEN_UNIT_AMBIENT(bands) (7 + 3 * (bands))
-#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes; 3 more with the near term
+#define LODEN_UNIT_SHADOW(bands) (8 + 3 * (bands))
+#define LODEN_UNIT_SHADOW_TABLE(bands) (9 + 3 * (bands))
+#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes; 3 or 5 more with the near term
 #define LODEN_MAX_UNITS (3 + LODEN_UNITS(LODEN_MAX_BANDS))
 
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding
@@ -109,8 +112,8 @@ struct LodenMaterialData {
   float ambient_lambda;  // of mip 0 of the ambient map
   float near_end;        // w(lambda) is 0 from here on
 
-  float near_slope;  // 1 / (near_end - where it begins to fall)
-  float padding;
+  float near_slope;         // 1 / (near_end - where it begins to fall)
+  float shadow_side;        // texels per side of the shadow map's table
   vec2 periods_per_length;  // tile coordinates to a tile length along x and y; 1 where the period is square
 
   vec4 environment_mean[LODEN_ENVIRONMENT_THETAS];  // EnvironmentMean::rows

@@ -10,24 +10,14 @@
 #include "importer/cli/interrupt.h"
 #include "importer/cli/output.h"
 #include "importer/cook/cook.h"
+#include "importer/cook/meta.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
+#include "material/model/leading_part.h"
 #include "material/system/asset_io.h"
 
 namespace loden::importer {
 namespace {
-
-// All raw data that the file will hold, before zstd.
-uint64_t rawBytes(const Material& material) {
-  uint64_t bytes = material.geometry.texels.data.size();
-  for (const Band& band : material.bands) bytes += band.bytes();
-  if (material.stored_vdim)
-    bytes += material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
-  if (material.surface)
-    bytes += material.surface->normal.data.size() + material.surface->color.data.size() +
-             material.surface->ambient.data.size();
-  return bytes;
-}
 
 class CookCommand : public Command {
  public:
@@ -50,9 +40,10 @@ class CookCommand : public Command {
         "CB = CR for what a ratio to Y leaves; default: the preset's");
     options.choice("--near", near_, {"surface", "band"},
                    "fused, up close: the surface's own reflectance and shadows, or a band fitted to the BTF");
-    options.choice(
-        "--visibility", visibility_, {"auto", "none", "fast", "default"},
-        "Cast shadows of the surface: none, by the lookup towards the light, or what measures best");
+    options.choice("--visibility", visibility_, {"auto", "none", "fast", "default", "map"},
+                   "Cast shadows of the surface: none, by the lookup towards the light, by a map of shadows, "
+                   "which costs "
+                   "least where there are many lights, or none or the lookup, what measures best");
     options.integer(
         "--levels", cook_.levels,
         "Levels of detail to keep, from the finest; fused: 1 is the flat map alone; 0: the preset's", 0, 16);
@@ -100,6 +91,7 @@ class CookCommand : public Command {
     if (visibility_ != "auto")
       cook_.visibility = visibility_ == "fast"      ? Visibility::kFast
                          : visibility_ == "default" ? Visibility::kDefault
+                         : visibility_ == "map"     ? Visibility::kMap
                                                     : Visibility::kNone;
     if (output_.extension() != ".loden")
       return Issue{issue_id::kOption, Severity::kError, "--output " + output_.string(), "must end in .loden"};
@@ -179,7 +171,7 @@ class CookCommand : public Command {
   }
 
   void print(const GlobalOptions& globals, const Material& material, double seconds) const {
-    const uint64_t file_bytes = std::filesystem::file_size(output_), raw_bytes = rawBytes(material);
+    const uint64_t file_bytes = std::filesystem::file_size(output_), raw_bytes = rawFileBytes(material);
     if (globals.json) {
       const auto meta = nlohmann::ordered_json::parse(material.meta_json, nullptr, false);
       printJson("cook", {{"input", input_.string()},
@@ -221,7 +213,7 @@ class CookCommand : public Command {
       return;
     }
     if (meta["trade"].front().value("surface_side", 0) > 0)
-      return printText(nearTradeText(meta["trade"]) + levelsText(material));
+      return printText(nearTradeText(meta["trade"]) + visibilityText(material) + levelsText(material));
     std::string text =
         "trade, measured with shortened fits (the asset's own error stands above). phis: columns of the "
         "flat map's direction grid;\n"
@@ -249,6 +241,22 @@ class CookCommand : public Command {
                         withThousands(point.value("bytes", uint64_t{0})).c_str(), point.value("rmse_y", 0.0),
                         point.value("pareto", false) ? " *" : "");
     return text;
+  }
+
+  static std::string visibilityText(const Material& material) {
+    const SurfaceMaps& maps = *material.surface;
+    if (maps.visibility == Visibility::kMap)
+      return formatted(
+          "visibility: by a map of shadows, %s bytes: %d fetches a pixel and as many for each light; the "
+          "lookup "
+          "(--visibility auto) is sharper and takes no bytes\n",
+          withThousands(gpuBytes(maps) - gpuBytes(withoutShadow(maps))).c_str(), maps.shadow.depth);
+    return formatted(
+        "visibility: %s; a lookup takes some 2 to 6 fetches for each light. With many lights a map of "
+        "shadows "
+        "pays "
+        "(--visibility map): softer, 2 fetches a pixel and 2 for each light, no search\n",
+        visibilityName(maps.visibility));
   }
 
   // The goal's error is that of lambda 0, where the coarser levels are not read, so it cannot weigh them:

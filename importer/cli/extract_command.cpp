@@ -68,9 +68,9 @@ NamedTextures texturesOf(const Material& material) {
     all.emplace_back("vdim.packed", &material.stored_vdim->packed);
   }
   if (material.surface) {
-    all.emplace_back("normal", &material.surface->normal);
-    all.emplace_back("color", &material.surface->color);
-    all.emplace_back("ambient", &material.surface->ambient);
+    for (const SurfaceMapRow& row : kSurfaceMapRows)
+      if (const Texture& map = (*material.surface).*row.texture; !map.empty())
+        all.emplace_back(row.name, &map);
   }
   return all;
 }

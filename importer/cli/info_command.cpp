@@ -78,9 +78,10 @@ std::vector<Part> partsOf(const AssetFile& file) {
     parts.push_back(partOf("vdim packed", material.stored_vdim->packed, 0));
   }
   if (material.surface) {
-    parts.push_back(partOf("surface normal", material.surface->normal, file.surfaceStoredBytes()));
-    parts.push_back(partOf("surface color", material.surface->color, 0));
-    parts.push_back(partOf("surface ambient", material.surface->ambient, 0));
+    for (const SurfaceMapRow& row : kSurfaceMapRows)
+      if (const Texture& map = (*material.surface).*row.texture; map.width > 0)
+        parts.push_back(partOf(std::string("surface ") + row.name, map,
+                               &row == &kSurfaceMapRows.front() ? file.surfaceStoredBytes() : 0));
     if (material.surface->tail_mip > 0)
       parts.push_back(leadingPart("surface tail", formatted("mips from %d on", material.surface->tail_mip),
                                   file.surfaceStoredBytes(AssetFile::Share::kFirst),
@@ -152,8 +153,11 @@ std::string cookedText(const std::string& meta_text) {
       text += formatted("  that is of four evaluations a texel; of one: Y %.4f\n",
                         one->at("y").at("rmse").get<double>());
     if (const auto near = meta.find("near"); near != meta.end()) {
-      text += formatted("near term: lobe %s, shadows by lookup %s", near->at("lobe").dump().c_str(),
-                        near->at("visibility").dump().c_str());
+      const auto visibility = near->at("visibility").get<std::string>();
+      const std::string shadows = visibility == "none"  ? "no cast shadows"
+                                  : visibility == "map" ? "shadows by their own map"
+                                                        : "shadows by lookup " + visibility;
+      text += "near term: lobe " + near->at("lobe").get<std::string>() + ", " + shadows;
       if (const auto fade = near->find("fade"); fade != near->end())
         text +=
             formatted(", fades over lambda %g to %g", fade->at(0).get<double>(), fade->at(1).get<double>());

@@ -271,7 +271,8 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   uint64_t bytes =
       textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
   if (plan.surface_side > 0) {
-    bytes += nearBytes(plan.surface_side, side, hasCoarseBand(plan, side));
+    bytes +=
+        nearBytes(plan.surface_side, side, hasCoarseBand(plan, side), plan.visibility == Visibility::kMap);
     if (hasCoarseBand(plan, side))
       bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) +
                tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);

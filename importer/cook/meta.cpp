@@ -34,8 +34,9 @@ uint64_t bandBytes(const Material& material) {
 
 uint64_t surfaceBytes(const Material& material) {
   if (!material.surface) return 0;
-  const SurfaceMaps& maps = *material.surface;
-  return maps.normal.data.size() + maps.color.data.size() + maps.ambient.data.size();
+  uint64_t bytes = 0;
+  for (const SurfaceMapRow& row : kSurfaceMapRows) bytes += ((*material.surface).*row.texture).data.size();
+  return bytes;
 }
 
 uint64_t vdimBytes(const Material& material) {

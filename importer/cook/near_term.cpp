@@ -1,11 +1,10 @@
 #include "importer/cook/near_term.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 
-#include "importer/base/parallel.h"
+#include "importer/fit/surface_light.h"
 #include "importer/tile/charts.h"
 #include "importer/tile/mesh_material.h"
 #include "material/asset/asset.h"
@@ -16,9 +15,8 @@ namespace {
 
 constexpr float kDielectric = 0.04f;  // f0 of glTF's dielectrics
 constexpr int kAmbientRows = 8;       // of lights: 8 x 16 directions
-constexpr int kAmbientPoints = 2;     // per side of an ambient texel
-constexpr double kLift = 2e-3;        // tile lengths along the normal: where shadow rays start
-constexpr int kFillSteps = 8;
+constexpr int kPointsAcross = 2;      // per side of a texel, that rays towards lights start from
+static_assert(kShadowComponents % 4 == 0);
 
 // What one texel averages.
 struct Texel {
@@ -104,107 +102,75 @@ int mipsOf(int surface_side, int side, bool with_bands) {
   return std::clamp(static_cast<int>(std::ceil(double(kNearFadeEnd) - first)) + 1, 1, all);
 }
 
-using Transfer = std::array<double, kEnvironmentBasis>;
-
-struct AmbientLight {
-  glm::dvec3 direction;
-  Transfer basis;
-};
-
 // Midpoints equal in cos(theta) and phi; each stands for the same solid angle.
-std::vector<AmbientLight> ambientLights() {
-  std::vector<AmbientLight> lights;
+std::vector<glm::dvec3> ambientDirections() {
+  std::vector<glm::dvec3> directions;
   for (int row = 0; row < kAmbientRows; ++row)
-    for (int column = 0; column < 2 * kAmbientRows; ++column) {
-      const double z = (row + 0.5) / kAmbientRows;
-      const glm::dvec3 w = directionFromSpherical({std::acos(z), kPi * (column + 0.5) / kAmbientRows});
-      lights.push_back({w, {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y}});
-    }
-  return lights;
+    for (int column = 0; column < 2 * kAmbientRows; ++column)
+      directions.push_back(directionFromSpherical(
+          {std::acos((row + 0.5) / kAmbientRows), kPi * (column + 0.5) / kAmbientRows}));
+  return directions;
 }
 
-// Texels without surface take the mean of their neighbours that have some, step by step; what is left lies
-// open.
-void fillAround(std::vector<Transfer>& map, int side, std::vector<uint8_t> known) {
-  for (int step = 0; step < kFillSteps; ++step) {
-    std::vector<uint8_t> next = known;
-    for (int t = 0; t < side * side; ++t) {
-      if (known[size_t(t)]) continue;
-      Transfer sum{};
-      int count = 0;
-      for (const auto& [dx, dy] : {std::pair{1, 0}, {side - 1, 0}, {0, 1}, {0, side - 1}}) {
-        const int n = (t / side + dy) % side * side + (t % side + dx) % side;
-        if (!known[size_t(n)]) continue;
-        for (int k = 0; k < kEnvironmentBasis; ++k) sum[size_t(k)] += map[size_t(n)][size_t(k)];
-        ++count;
-      }
-      if (count == 0) continue;
-      for (int k = 0; k < kEnvironmentBasis; ++k) map[size_t(t)][size_t(k)] = sum[size_t(k)] / count;
-      next[size_t(t)] = 1;
-    }
-    known = std::move(next);
+// T_k of every texel, in column k (SurfaceMaps::ambient).
+Matrix ambientTransfer(const GeometryImage& image, int side, int threads) {
+  const std::vector<glm::dvec3> directions = ambientDirections();
+  const Matrix lit = surfaceLight(image, side, directions, kPointsAcross, threads).lit;
+  const double measure = 2.0 / double(directions.size());  // dw / pi
+  Matrix transfer(side * side, 2 * 4);
+  for (int l = 0; l < lit.cols; ++l) {
+    const glm::dvec3& w = directions[size_t(l)];
+    const double basis[kEnvironmentBasis] = {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y};
+    for (int k = 0; k < kEnvironmentBasis; ++k)
+      for (int t = 0; t < lit.rows; ++t) transfer(t, k) += measure * lit(t, l) * basis[k];
   }
-  for (size_t t = 0; t < map.size(); ++t)
-    if (!known[t]) map[t] = {1, 2.0 / 3, 0, 0, 0, 0};
+  return transfer;
 }
 
-// T_k of every texel (SurfaceMaps::ambient).
-std::vector<Transfer> ambientTransfer(const GeometryImage& image, int side, int threads) {
-  std::vector<Transfer> map(size_t(side) * size_t(side), Transfer{1, 2.0 / 3, 0, 0, 0, 0});
-  if (image.empty()) return map;
-  const GeometryTracer tracer(image);
-  const std::vector<AmbientLight> lights = ambientLights();
-  const glm::dvec3 lift = kLift * glm::dvec3(periodsPerLength(image.aspect), 1);
-  std::vector<uint8_t> known(map.size());
-  parallelFor(map.size(), threads, [&](size_t t) {
-    Transfer sum{};
-    int points = 0;
-    for (int s = 0; s < kAmbientPoints * kAmbientPoints; ++s) {
-      const glm::dvec2 inside((s % kAmbientPoints + 0.5) / kAmbientPoints,
-                              (s / kAmbientPoints + 0.5) / kAmbientPoints);
-      const glm::dvec2 texel(double(t % size_t(side)), double(t / size_t(side)));
-      const auto point = surfaceAt<double>(image, (texel + inside) / double(side));
-      if (point.chart == 0) continue;
-      ++points;
-      for (const AmbientLight& light : lights) {
-        const double cosine = glm::dot(point.normal, light.direction);
-        if (cosine <= 0 || tracer.occluded(point.position + lift * point.normal, light.direction)) continue;
-        for (size_t k = 0; k < sum.size(); ++k) sum[k] += cosine * light.basis[k];
-      }
-    }
-    known[t] = points > 0;
-    const double measure = points > 0 ? 2.0 / double(lights.size()) / points : 0;  // dw / pi
-    for (size_t k = 0; k < sum.size(); ++k) map[t][k] = sum[k] * measure;
-  });
-  fillAround(map, side, std::move(known));
-  return map;
-}
-
-Texture ambientMap(std::vector<Transfer> map, int side, int mips, std::vector<uint16_t> owners) {
-  Texture texture = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, 2, mips);
+// Values within -1..1, four columns a layer; mips are averages inside one chart.
+Texture mapOf(Matrix values, int side, int mips, std::vector<uint16_t> owners) {
+  const int layers = values.cols / 4;
+  Texture texture = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, layers, mips);
   for (int mip = 0; mip < mips; ++mip) {
-    for (int t = 0; t < side * side; ++t) {
-      const Transfer& v = map[size_t(t)];
-      storeTexel(texture, mip, t % side, t / side, 0, glm::vec4(glm::dvec4(v[0], v[1], v[2], v[3])));
-      storeTexel(texture, mip, t % side, t / side, 1, glm::vec4(glm::dvec4(v[4], v[5], 0, 0)));
-    }
+    for (int t = 0; t < side * side; ++t)
+      for (int layer = 0; layer < layers; ++layer) {
+        glm::vec4 texel;
+        for (int c = 0; c < 4; ++c) texel[c] = static_cast<float>(values(t, 4 * layer + c));
+        storeTexel(texture, mip, t % side, t / side, layer, texel);
+      }
     if (mip + 1 == mips) break;
     const auto coarse_owners = owners.empty() ? owners : halvedOwners(side, owners);
     const int half = side / 2;
-    std::vector<Transfer> coarse(size_t(half) * size_t(half), Transfer{});
-    for (int j = 0; j < half; ++j)
-      for (int i = 0; i < half; ++i) {
-        const unsigned children = childrenOf(side, owners, coarse_owners, i, j);
-        for (int k = 0; k < 4; ++k) {
-          if ((children >> k & 1) == 0) continue;
-          const Transfer& from = map[size_t(2 * j + k / 2) * size_t(side) + size_t(2 * i + k % 2)];
-          for (size_t c = 0; c < from.size(); ++c)
-            coarse[size_t(j) * size_t(half) + size_t(i)][c] += from[c] / std::popcount(children);
-        }
-      }
-    map = std::move(coarse), owners = coarse_owners, side = half;
+    Matrix coarse(half * half, values.cols);
+    for (int t = 0; t < half * half; ++t) {
+      const glm::ivec2 at(t % half, t / half);
+      const unsigned children = childrenOf(side, owners, coarse_owners, at.x, at.y);
+      for (int k = 0; k < 4; ++k)
+        for (int c = 0; c < values.cols && (children >> k & 1) != 0; ++c)
+          coarse(t, c) += values((2 * at.y + k / 2) * side + 2 * at.x + k % 2, c) / std::popcount(children);
+    }
+    values = std::move(coarse), owners = coarse_owners, side = half;
   }
   return texture;
+}
+
+// The shadow map and its table.
+void addShadow(SurfaceMaps& maps, const GeometryImage& image, int mips, std::vector<uint16_t> owners,
+               int threads) {
+  const int side = maps.ambient.width;
+  const SurfaceLight light =
+      surfaceLight(image, side, shadowDirections(kShadowTable), kPointsAcross, threads);
+  const Factors factors = fitShadow(light, kShadowComponents, threads);
+  maps.shadow = mapOf(factors.weights, side, mips, std::move(owners));
+  const int layers = kShadowComponents / 4;
+  maps.shadow_table =
+      Texture::make(TexelFormat::kRGBA16Sfloat, TextureShape::kArray2D, kShadowTable, kShadowTable, layers);
+  for (int d = 0; d < kShadowTable * kShadowTable; ++d)
+    for (int layer = 0; layer < layers; ++layer) {
+      glm::vec4 texel;
+      for (int c = 0; c < 4; ++c) texel[c] = static_cast<float>(factors.basis(d, 4 * layer + c));
+      storeTexel(maps.shadow_table, 0, d % kShadowTable, d / kShadowTable, layer, texel);
+    }
 }
 
 }  // namespace
@@ -253,19 +219,25 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
     if (mip + 1 < mips) halve();
   }
   maps.ambient_first = std::log2(float(side) / float(ambient_side));
-  maps.ambient = ambientMap(ambientTransfer(geometry, ambient_side, threads), ambient_side,
-                            mipsOf(ambient_side, side, options.with_bands), ambient_owners);
+  const int ambient_mips = mipsOf(ambient_side, side, options.with_bands);
+  maps.ambient =
+      mapOf(ambientTransfer(geometry, ambient_side, threads), ambient_side, ambient_mips, ambient_owners);
+  if (maps.visibility == Visibility::kMap) addShadow(maps, geometry, ambient_mips, ambient_owners, threads);
   if (options.with_bands) maps.fade_begin = kNearFadeBegin, maps.fade_end = kNearFadeEnd;
   return maps;
 }
 
-uint64_t nearBytes(int surface_side, int side, bool with_bands) {
+uint64_t nearBytes(int surface_side, int side, bool with_bands, bool shadow) {
   const int ambient_side = std::min(side, surface_side);
   const auto bytes = [&](int of, int layers) {
     return textureBytes(TexelFormat::kRGBA8Snorm, uint64_t(of), uint64_t(of), uint64_t(layers),
                         mipsOf(of, side, with_bands));
   };
-  return 2 * bytes(surface_side, 1) + bytes(ambient_side, 2);
+  uint64_t sum = 2 * bytes(surface_side, 1) + bytes(ambient_side, 2);
+  if (shadow)
+    sum += bytes(ambient_side, kShadowComponents / 4) +
+           textureBytes(TexelFormat::kRGBA16Sfloat, kShadowTable, kShadowTable, kShadowComponents / 4, 1);
+  return sum;
 }
 
 }  // namespace loden::importer

@@ -16,7 +16,7 @@ Result<BakedSurface> bakedSurface(const BakedOutput& input);
 struct NearOptions {
   int reduced = 1;          // every side by this, a power of two
   bool with_bands = false;  // maps end where bands take over, at kNearFadeEnd; else at one texel
-  Visibility visibility = Visibility::kNone;
+  Visibility visibility = Visibility::kNone;  // kMap: with a shadow map
 };
 
 // Near maps are read one level finer than what is shown: a mean over a texel's surface is not the mean of
@@ -34,7 +34,10 @@ inline constexpr float kNearFadeBegin = 0.5f, kNearFadeEnd = 3;
 SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, int side,
                      const NearOptions& options, int threads);
 
-// Raw bytes of these maps.
-uint64_t nearBytes(int surface_side, int side, bool with_bands);
+// Components of the shadow map, and directions per side of its table.
+inline constexpr int kShadowComponents = 8, kShadowTable = 13;
+
+// Raw bytes of these maps; `shadow`: with the shadow map.
+uint64_t nearBytes(int surface_side, int side, bool with_bands, bool shadow);
 
 }  // namespace loden::importer

@@ -106,8 +106,9 @@ class MaterialCheck {
     for (const Band& band : m_.bands) side = std::max(side, band.weights.width);
     if (m_.stored_vdim) side = std::max(side, m_.stored_vdim->side);
     if (m_.surface)
-      for (const Texture* map : {&m_.surface->normal, &m_.surface->color, &m_.surface->ambient})
-        side = std::max({side, map->width, map->height});
+      for (const SurfaceMapRow& row : kSurfaceMapRows)
+        if (const Texture& map = (*m_.surface).*row.texture; row.first)
+          side = std::max({side, map.width, map.height});
     return side;
   }
 
@@ -283,7 +284,7 @@ class MaterialCheck {
     };
     require(m_.mode != Mode::kLod, "a material of mode lod has surface maps");
     require(maps.lobe <= Lobe::kGgx, "lobe ", static_cast<uint32_t>(maps.lobe), " is unknown");
-    require(maps.visibility <= Visibility::kDefault, "visibility ", static_cast<uint32_t>(maps.visibility),
+    require(maps.visibility <= Visibility::kMap, "visibility ", static_cast<uint32_t>(maps.visibility),
             " is unknown");
     require(within(maps.specular_scale, 0, Limits::kMaxSpecular), "specular_scale ", maps.specular_scale,
             " is not in 0..", Limits::kMaxSpecular);
@@ -294,23 +295,41 @@ class MaterialCheck {
                 maps.fade_begin < maps.fade_end,
             "the fade from ", maps.fade_begin, " to ", maps.fade_end, " does not ascend, or is not in -",
             kMostFade, "..", kMostFade);
-    checkSurfaceMap(maps.normal, TexelFormat::kRGBA8Snorm, 1, maps.tail_mip, "HEAD, normal map");
-    checkSurfaceMap(maps.color, TexelFormat::kRGBA8Unorm, 1, maps.tail_mip, "HEAD, color map");
-    checkSurfaceMap(maps.ambient, TexelFormat::kRGBA8Snorm, 2, 0, "HEAD, ambient map");
+    for (const SurfaceMapRow& row : kSurfaceMapRows) checkSurfaceMap(maps, row);
+    const Texture &shadow = maps.shadow, &table = maps.shadow_table;
+    require((shadow.width > 0) == (table.width > 0), "a shadow map and its table come together");
+    require(maps.visibility != Visibility::kMap || shadow.width > 0, "visibility ",
+            static_cast<uint32_t>(maps.visibility), " without a shadow map");
+    if (shadow.width == 0 || table.width == 0) return;
+    require(shadow.depth == table.depth && within(shadow.depth, 1, Limits::kMaxQuads), "a shadow map of ",
+            shadow.depth, " layers, and a table of ", table.depth, "; they are alike, and in 1..",
+            Limits::kMaxQuads);
+    require(shadow.width == maps.ambient.width && shadow.height == maps.ambient.height &&
+                shadow.mips == maps.ambient.mips,
+            "the shadow map has other extents than the ambient map");
+    require(table.width == table.height && within(table.width, 2, Limits::kMaxGridSide) && table.mips == 1,
+            "a shadow table of ", table.width, " x ", table.height, " directions and ", table.mips,
+            " mips; it is square, of 2..", Limits::kMaxGridSide, " and one mip");
   }
 
-  void checkSurfaceMap(const Texture& map, TexelFormat format, int layers, int tail_mip,
-                       const std::string& place) {
+  void checkSurfaceMap(const SurfaceMaps& maps, const SurfaceMapRow& row) {
+    const Texture& map = maps.*row.texture;
+    const std::string place = join("HEAD, ", row.name, " map");
+    if (row.layers == 0 && map.width == 0 && map.height == 0 && map.depth == 0) return;
     checkExtents(map, TextureShape::kArray2D, kMapField, place);
-    issues_.require(map.format == format, kMapField, place, "the format is not ", texelFormatName(format));
-    issues_.require(map.depth == layers, kMapSize, place, map.depth, " layers, not ", layers);
+    issues_.require(map.format == row.format, kMapField, place, "the format is not ",
+                    texelFormatName(row.format));
+    issues_.require(row.layers == 0 || map.depth == row.layers, kMapSize, place, map.depth, " layers, not ",
+                    row.layers);
+    if (!row.first) return;
     // From afar a map is its average, if no band takes over: one that ends earlier would pop where it comes
     // in.
     const bool whole = map.mips == fullMipCount(std::max(map.width, 1), std::max(map.height, 1));
     issues_.require(whole || !m_.bands.empty(), kMapField, place, map.mips, " mips do not end at one texel");
-    issues_.require(within(tail_mip, 0, map.mips - 1), kMapField, place, "tail_mip ", tail_mip,
-                    " is none of its ", map.mips, " mips");
-    issues_.require(tail_mip == 0 || m_.bands.empty(), kMapField, place,
+    const bool cut = row.first == &SurfaceMaps::lambda_first;  // what tail_mip is a mip of
+    issues_.require(!cut || within(maps.tail_mip, 0, map.mips - 1), kMapField, place, "tail_mip ",
+                    maps.tail_mip, " is none of its ", map.mips, " mips");
+    issues_.require(!cut || maps.tail_mip == 0 || m_.bands.empty(), kMapField, place,
                     "maps of a material with bands have a tail");
   }
 

@@ -34,7 +34,8 @@ auto texturesOf(MaterialType& material, const Part& part) {
   } else if (part.type == kVdim) {
     textures = {&material.stored_vdim->reference, &material.stored_vdim->packed};
   } else if (part.type == kSurf) {
-    textures = {&material.surface->normal, &material.surface->color, &material.surface->ambient};
+    for (const SurfaceMapRow& row : kSurfaceMapRows)
+      if (auto& map = (*material.surface).*row.texture; described(map)) textures.push_back(&map);
   }
   return textures;
 }
@@ -76,12 +77,17 @@ std::vector<TexelRun> runsOf(const Material& material, const Part& part) {
     return splitBandRuns(material.bands[part.band], part.share == kLead);
   const std::vector<const Texture*> textures = partTextures(material, part);
   std::vector<TexelRun> runs;
-  for (size_t i = 0; i < textures.size(); ++i) {
-    const int tail = part.share == kWhole ? 0
-                     : i == 2             ? ambientTailMip(*material.surface)
-                                          : material.surface->tail_mip;
-    runs.push_back(mipsOf(i, *textures[i], part.share == kRest ? 0 : tail,
-                          part.share == kRest ? tail : textures[i]->mips));
+  if (part.share == kWhole) {
+    for (size_t i = 0; i < textures.size(); ++i)
+      runs.push_back(mipsOf(i, *textures[i], 0, textures[i]->mips));
+    return runs;
+  }
+  for (const SurfaceMapRow& row : kSurfaceMapRows) {
+    const Texture& map = (*material.surface).*row.texture;
+    if (!described(map)) continue;
+    const int tail = tailMip(*material.surface, row);
+    const bool rest = part.share == kRest;
+    runs.push_back(mipsOf(runs.size(), map, rest ? 0 : tail, rest ? tail : map.mips));
   }
   return runs;
 }

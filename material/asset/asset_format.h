@@ -32,7 +32,7 @@ inline constexpr uint32_t kGeom = fourCharacters("GEOM");  // texels of the geom
 inline constexpr uint32_t kVdim =
     fourCharacters("VDIM");  // texels of the stored VDIM: reference, then packed
 inline constexpr uint32_t kSurf =
-    fourCharacters("SURF");  // texels of the surface maps: normal, diffuse, specular
+    fourCharacters("SURF");  // texels of the surface maps, in the order of kSurfaceMapRows
 inline constexpr uint32_t kMeta = fourCharacters("META");  // Material::meta_json
 
 inline constexpr uint32_t kFlagCritical = 1;

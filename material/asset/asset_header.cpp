@@ -70,8 +70,10 @@ void writeMaps(ByteWriter& out, const Material& material) {
        {maps.specular_scale, maps.lambda_first, maps.ambient_first, maps.fade_begin, maps.fade_end})
     out.f32(value);
   out.u32(static_cast<uint32_t>(maps.tail_mip));
-  for (const Texture* map : partTextures(material, {kSurf})) {
-    for (const int extent : {map->width, map->height, map->mips}) out.u32(extent);
+  for (const SurfaceMapRow& row : kSurfaceMapRows) {
+    const Texture& map = maps.*row.texture;
+    const bool there = map.width > 0;
+    for (const int extent : {map.width, map.height, map.depth, map.mips}) out.u32(there ? extent : 0);
   }
 }
 
@@ -259,11 +261,6 @@ class HeaderReader {
     return vdim;
   }
 
-  Texture readMap(TexelFormat format, int layers) {
-    const int width = integer(), height = integer(), mips = integer();
-    return {format, TextureShape::kArray2D, width, height, layers, mips, {}};
-  }
-
   SurfaceMaps readSurface() {
     SurfaceMaps maps;
     maps.lobe = static_cast<Lobe>(in_.u32());
@@ -272,9 +269,13 @@ class HeaderReader {
          {&maps.specular_scale, &maps.lambda_first, &maps.ambient_first, &maps.fade_begin, &maps.fade_end})
       *value = in_.f32();
     maps.tail_mip = integer();
-    maps.normal = readMap(TexelFormat::kRGBA8Snorm, 1);
-    maps.color = readMap(TexelFormat::kRGBA8Unorm, 1);
-    maps.ambient = readMap(TexelFormat::kRGBA8Snorm, 2);
+    for (const SurfaceMapRow& row : kSurfaceMapRows) {
+      Texture map;
+      map.format = row.format;
+      for (int* extent : {&map.width, &map.height, &map.depth, &map.mips}) *extent = integer();
+      const bool absent = map.width == 0 && map.height == 0 && map.depth == 0 && map.mips == 0;
+      if (!absent) maps.*row.texture = map;
+    }
     return maps;
   }
 

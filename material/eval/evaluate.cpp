@@ -196,7 +196,7 @@ T parallaxFade(const Material& material, T lambda, const glm::vec<3, T>& wo) {
   const V2<T> along = V2<T>(periodsPerLength(material.geometry.aspect)) * V2<T>(wo.x, wo.y);
   T slope = std::sqrt(glm::dot(along, along)) / std::max(wo.z, T(std::cos(kThetaMax)));
   // Shadows show from above, too; the light is taken to come at 45 degrees at least.
-  if (material.surface && material.surface->visibility != Visibility::kNone) slope = std::max(slope, T(1));
+  if (material.surface && byLookup(material.surface->visibility)) slope = std::max(slope, T(1));
   const T texels =
       T(std::max(material.geometry.range.z, 1e-9f)) * slope * T(material.side) * std::exp2(-lambda);
   return std::clamp(T(4) * texels - T(1), T(0), T(1));
@@ -213,7 +213,10 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   hit.surface = surface;
   // As published, beyond the last level the last level stays (LBTF 3.4, step 2).
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
-  hit.fetches = nearWeight(*material_, hit.lambda) > 0 ? 2 : 0;
+  if (nearWeight(*material_, hit.lambda) > 0) {
+    const SurfaceMaps& near = *material_->surface;
+    hit.fetches = 2 + (near.visibility == Visibility::kMap ? near.shadow.depth : 0);
+  }
   const VdimMaps maps = vdimMaps();
   if (!maps.serve(lookup)) return hit;
   // No ray comes from nowhere, or from no direction.
@@ -277,10 +280,11 @@ glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, 
   // No better for the light than for the eye.
   const bool fast = maps.visibility == Visibility::kFast || hit.lookup == Lookup::kFast;
   const Lookup lookup = fast ? Lookup::kFast : Lookup::kDefault;
-  if (maps.visibility != Visibility::kNone && hit.relief && !hit.missed &&
+  if (byLookup(maps.visibility) && hit.relief && !hit.missed &&
       !lightReaches(vdimMaps(), lookup, hit.surface, hit.position, hit.p, wi))
     return V3<T>(0);
-  return evaluateNear(maps.lobe, point, wi, wo);
+  const V3<T> open = evaluateNear(maps.lobe, point, wi, wo);
+  return maps.visibility == Visibility::kMap ? mappedVisibility(maps, hit.p, hit.lambda, wi) * open : open;
 }
 
 void Evaluator::prepareEnvironment() {

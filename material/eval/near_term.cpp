@@ -52,8 +52,8 @@ T coupling(const NearPoint<T>& point, T cos_light, T cos_view) {
 }  // namespace
 
 const char* visibilityName(Visibility visibility) {
-  constexpr const char* kNames[] = {"none", "fast", "default"};
-  return visibility <= Visibility::kDefault ? kNames[static_cast<size_t>(visibility)] : "unknown";
+  constexpr const char* kNames[] = {"none", "fast", "default", "map"};
+  return visibility <= Visibility::kMap ? kNames[static_cast<size_t>(visibility)] : "unknown";
 }
 
 float finestLevel(const Material& material) {
@@ -156,6 +156,18 @@ V3<T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point
 }
 
 template <class T>
+T mappedVisibility(const SurfaceMaps& maps, V2<T> p, T lambda, const V3<T>& wi) {
+  const Texture& table = maps.shadow_table;
+  const T lod = lambda - T(maps.ambient_first);
+  const V2<T> at = squareFromDirection(wi) * T(table.width - 1) + T(0.5);
+  T shadow = 0;
+  for (int quad = 0; quad < table.depth; ++quad)
+    shadow += glm::dot(sampleRepeatLod(maps.shadow, lod, quad, p),
+                       sampleVolume(table, V3<T>(at, T(quad) + T(0.5))));
+  return std::clamp(T(1) - shadow, T(0), T(1));
+}
+
+template <class T>
 bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface, const V3<T>& position,
                   V2<T> p, const V3<T>& light, int* fetches) {
   // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
@@ -202,6 +214,8 @@ template glm::vec<3, float> evaluateNearEnvironment(const SurfaceMaps&, const Ne
 template glm::vec<3, double> evaluateNearEnvironment(const SurfaceMaps&, const NearPoint<double>&,
                                                      glm::vec<2, double>, double, const HemisphereLight&,
                                                      const glm::vec<3, double>&);
+template float mappedVisibility(const SurfaceMaps&, glm::vec<2, float>, float, const glm::vec<3, float>&);
+template double mappedVisibility(const SurfaceMaps&, glm::vec<2, double>, double, const glm::vec<3, double>&);
 template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<float>&, const glm::vec<3, float>&,
                            glm::vec<2, float>, const glm::vec<3, float>&, int*);
 template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<double>&, const glm::vec<3, double>&,

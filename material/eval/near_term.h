@@ -40,6 +40,11 @@ glm::vec<3, T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<
 template <class T>
 glm::vec<3, T> lobeAlbedo(T alpha, const glm::vec<3, T>& f0, T cosine);
 
+// V(p, wi) by the shadow map: two fetches of the shaders for each of its layers, of which the one of the
+// weights is shared by all lights.
+template <class T>
+T mappedVisibility(const SurfaceMaps& maps, glm::vec<2, T> p, T lambda, const glm::vec<3, T>& wi);
+
 // V(P, wi): false where the lookup along wi meets the tile before P. `position` is P in tile periods and tile
 // lengths below the reference surface, p its parameter; wi in the frame where the ray meets the tile.
 template <class T>

@@ -135,6 +135,19 @@ std::vector<uint8_t> nearestDirectionLookup(const DirectionSet& set, int side) {
 }
 
 template <class T>
+glm::vec<2, T> squareFromDirection(const glm::vec<3, T>& w) {
+  const T scale = T(0.5) / (std::abs(w.x) + std::abs(w.y) + std::max(w.z, T(0)));
+  return glm::vec<2, T>(w.x + w.y, w.x - w.y) * scale + T(0.5);
+}
+
+template <class T>
+glm::vec<3, T> directionFromSquare(glm::vec<2, T> square) {
+  const glm::vec<2, T> s = square * T(2) - T(1);
+  const T x = (s.x + s.y) / T(2), y = (s.x - s.y) / T(2);
+  return glm::normalize(glm::vec<3, T>(x, y, std::max(T(1) - std::abs(x) - std::abs(y), T(0))));
+}
+
+template <class T>
 glm::vec<2, T> diskFromSquare(glm::vec<2, T> square) {
   const T a = 2 * square.x - 1, b = 2 * square.y - 1;
   if (a == 0 && b == 0) return {0, 0};
@@ -174,6 +187,10 @@ glm::vec<2, T> squareFromDisk(glm::vec<2, T> disk) {
 
 template glm::vec<2, float> diskFromSquare(glm::vec<2, float>);
 template glm::vec<2, double> diskFromSquare(glm::vec<2, double>);
+template glm::vec<2, float> squareFromDirection(const glm::vec<3, float>&);
+template glm::vec<2, double> squareFromDirection(const glm::vec<3, double>&);
+template glm::vec<3, float> directionFromSquare(glm::vec<2, float>);
+template glm::vec<3, double> directionFromSquare(glm::vec<2, double>);
 template glm::vec<2, float> squareFromDisk(glm::vec<2, float>);
 template glm::vec<2, double> squareFromDisk(glm::vec<2, double>);
 

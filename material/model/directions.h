@@ -60,6 +60,13 @@ glm::vec<3, T> clampTheta(const glm::vec<3, T>& w, T theta_max);
 template <class T>
 glm::vec<2, T> gridPosition(const glm::vec<3, T>& w, T theta_max);
 
+// Square [0,1]^2 <-> directions above the plane, the normal in the middle and what is parallel to the plane
+// at the edges; no trigonometry (the hemioct map of Cigolle et al. 2014). w.z below 0 counts as 0.
+template <class T>
+glm::vec<2, T> squareFromDirection(const glm::vec<3, T>& w);
+template <class T>
+glm::vec<3, T> directionFromSquare(glm::vec<2, T> square);
+
 // Index of the nearest sample by angle; ties go to the lower index.
 int nearestDirection(const DirectionSet& set, const glm::dvec3& w);
 

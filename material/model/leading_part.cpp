@@ -53,20 +53,26 @@ Band leadOf(const Band& band) {
   return lead;
 }
 
-int ambientTailMip(const SurfaceMaps& maps) {
-  const float finest = maps.lambda_first + float(maps.tail_mip) - maps.ambient_first;
-  return std::clamp(static_cast<int>(std::lround(finest)), 0, maps.ambient.mips - 1);
+SurfaceMaps withoutShadow(SurfaceMaps maps) {
+  maps.shadow = maps.shadow_table = {};
+  return maps;
+}
+
+int tailMip(const SurfaceMaps& maps, const SurfaceMapRow& row) {
+  if (!row.first) return 0;
+  const float finest = maps.lambda_first + float(maps.tail_mip) - maps.*row.first;
+  return std::clamp(static_cast<int>(std::lround(finest)), 0, (maps.*row.texture).mips - 1);
 }
 
 SurfaceMaps tailOf(const SurfaceMaps& maps) {
   SurfaceMaps tail;
-  tail.normal = tailOf(maps.normal, maps.tail_mip);
-  tail.color = tailOf(maps.color, maps.tail_mip);
-  tail.ambient = tailOf(maps.ambient, ambientTailMip(maps));
+  for (const SurfaceMapRow& row : kSurfaceMapRows) {
+    tail.*row.texture = tailOf(maps.*row.texture, tailMip(maps, row));
+    if (row.first && (maps.*row.texture).width > 0)
+      tail.*row.first = maps.*row.first + float(tailMip(maps, row));
+  }
   tail.lobe = maps.lobe;
   tail.specular_scale = maps.specular_scale;
-  tail.lambda_first = maps.lambda_first + float(maps.tail_mip);
-  tail.ambient_first = maps.ambient_first + float(ambientTailMip(maps));
   tail.fade_begin = maps.fade_begin, tail.fade_end = maps.fade_end;
   tail.visibility = maps.visibility;
   return tail;
@@ -76,7 +82,10 @@ uint64_t gpuBytes(const Band& band) {
   return textureBytes(band.weights) + textureBytes(band.table) + environmentTableBytes(band);
 }
 uint64_t gpuBytes(const SurfaceMaps& maps) {
-  return textureBytes(maps.normal) + textureBytes(maps.color) + textureBytes(maps.ambient);
+  uint64_t bytes = 0;
+  for (const SurfaceMapRow& row : kSurfaceMapRows)
+    if ((maps.*row.texture).width > 0) bytes += textureBytes(maps.*row.texture);
+  return bytes;
 }
 
 void splitLeadingParts(Material& material) {

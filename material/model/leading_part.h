@@ -14,9 +14,6 @@ Band leadOf(const Band& band);
 // The maps from mip tail_mip on, whose lambda_first says so; not split themselves. Without texels if `maps`
 // have none.
 SurfaceMaps tailOf(const SurfaceMaps& maps);
-// The mip of the ambient map whose level is that of tail_mip, or the nearest that there is.
-int ambientTailMip(const SurfaceMaps& maps);
-
 // Bytes on the GPU, with the table for light from all around that a band is given there.
 uint64_t gpuBytes(const Band& band);
 uint64_t gpuBytes(const SurfaceMaps& maps);

@@ -15,6 +15,7 @@
 #include "material/model/directions.h"
 #include "material/model/geometry_image.h"
 #include "material/model/mu.h"
+#include "material/model/surface_maps.h"
 #include "material/model/texture.h"
 #include "material/model/vdim.h"
 
@@ -26,49 +27,6 @@ enum class Mode : uint32_t {
   kFused = 2,    // the near term, or fine bands in the flat domain; coarse bands in the reference domain
 };
 const char* modeName(Mode mode);
-
-// How the surface scatters what its diffuse part does not.
-enum class Lobe : uint32_t {
-  kPhong = 0,  // Blinn-Phong: strength (N.H)^exponent
-  kGgx = 1,    // glTF 2.0, appendix B: metalness and roughness
-};
-
-// How V is found: whether the light from wi meets P first.
-enum class Visibility : uint32_t {
-  kNone = 0,     // it is not: V = 1, no cast shadows
-  kFast = 1,     // by the VDIM lookup along wi, Lookup::kFast: what answers the eye answers the light
-  kDefault = 2,  // by Lookup::kDefault
-};
-// "none", "fast", "default".
-const char* visibilityName(Visibility visibility);
-
-// The near term's maps over p, all with mips, of which the last is one texel unless bands take over before:
-// the local reflectance A = (diffuse max(N.L, 0) + lobe (N'.L)), with the mean normal N as it is stored for
-// the diffuse part (the mean of N.L where all is lit), and of unit length (N') for the lobe, whose width is
-// that of the surface and of the normals that a texel holds (after Toksvig 2004).
-struct SurfaceMaps {
-  Lobe lobe = Lobe::kPhong;
-  // RGBA8 snorm: xyz the mean normal in the reference frame, z < 0 on the underside of overhangs; a the
-  // lobe's width: Phong log2(exponent) / 12, GGX roughness (the square root of alpha).
-  Texture normal;
-  // RGBA8 unorm: Phong rgb the square root of the diffuse albedo, a strength / specular_scale; GGX rgb the
-  // square root of the base colour, a metalness. Roots keep the steps of darks, and every renderer reads them
-  // alike (drivers decode sRGB each in its own way, up to .0013 of white apart).
-  Texture color;
-  // RGBA8 snorm, two layers: what of light from all around meets the surface, T_k = 1 / pi * integral over
-  // the hemisphere of V max(N.w, 0) h_k(w) dw for the basis h_k of material/model/environment.h; k = 0..3 in
-  // layer 0, 4 and 5 in layer 1, the rest unused.
-  Texture ambient;
-  float specular_scale = 1;  // of Phong
-  float lambda_first = 0;    // lambda of mip 0 of normal and color; below 0 where they are finer than `side`
-  float ambient_first = 0;   // of mip 0 of ambient
-  int tail_mip = 0;          // mips of all maps from here on are stored apart from the finer ones
-                             // (material/model/leading_part.h); 0: stored in one
-  // w(lambda): 1 up to fade_begin, 0 from fade_end on, linear between. 1 everywhere in materials without
-  // bands.
-  float fade_begin = 1e4f, fade_end = 2e4f;
-  Visibility visibility = Visibility::kNone;
-};
 
 struct Material {
   Mode mode = Mode::kFused;

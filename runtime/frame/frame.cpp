@@ -306,8 +306,10 @@ std::optional<glm::vec3> FrameRenderer::Impl::shadowSun() const {
 MaterialVariant FrameRenderer::Impl::variantOf(MaterialId id) const {
   MaterialVariant variant = materials.variant(id);
   if (settings.lookup == Lookup::kFast && variant.lookup == Lookup::kDefault) variant.lookup = Lookup::kFast;
-  variant.visibility = std::min(variant.visibility, settings.visibility);
-  if (variant.lookup == Lookup::kFast) variant.visibility = std::min(variant.visibility, Visibility::kFast);
+  if (settings.visibility == Visibility::kNone)
+    variant.visibility = Visibility::kNone, variant.shadow_quads = 0;
+  const bool fast = settings.visibility != Visibility::kDefault || variant.lookup == Lookup::kFast;
+  if (fast && byLookup(variant.visibility)) variant.visibility = Visibility::kFast;
   return variant;
 }
 

@@ -55,7 +55,8 @@ struct FrameSettings {
   int samples = 1;
   LambdaRule lambda_rule = LambdaRule::kFootprint;
   std::optional<float> lambda;  // instead, everywhere
-  // At most: less than the materials' own leaves shadows of the near term out, or looks up in fewer steps.
+  // At most: kNone leaves shadows of the near term out, kFast and kMap look up in fewer steps. What has a
+  // shadow map keeps reading it.
   Visibility visibility = Visibility::kDefault;
   Lookup lookup = Lookup::kDefault;  // kFast or kDefault
   HeatMap heat = HeatMap::kNone;     // without parallax_depth

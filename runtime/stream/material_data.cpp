@@ -86,9 +86,19 @@ bool readsParameter(const Material& material) {
                      [](const Band& band) { return band.domain == Domain::kFlat; });
 }
 
+// What a material of this variant finds V by.
+Visibility shownVisibility(const SurfaceMaps& maps, const MaterialVariant& variant, Visibility wanted) {
+  using enum Visibility;
+  if (maps.visibility == kNone || wanted == kNone) return kNone;
+  if (maps.shadow.width > 0 && (maps.visibility == kMap || wanted == kMap)) return kMap;
+  if (!hasRelief(variant)) return kNone;
+  const bool fast = wanted != kDefault || variant.lookup == Lookup::kFast;  // no better than for the eye
+  return fast ? kFast : maps.visibility;
+}
+
 }  // namespace
 
-Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup, Visibility most) {
+Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup, Visibility visibility) {
   MaterialVariant variant;
   if (material.bands.empty() && !material.surface)
     return limitIssue(material, "a material without bands and surface maps cannot be drawn");
@@ -99,17 +109,21 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
     variant.nearest_tables = material.bands.front().layout == TableLayout::kNearest;
   }
   const bool has_geometry = material.geometry.side() > 0;
-  if (lookup == Lookup::kNone || !readsParameter(material)) return variant;
-  if (variant.nearest_tables) return limitIssue(material, "nearest tables with a flat band");
-  if (material.stored_vdim && !(variant.near && variant.bands > 0) &&
-      (lookup == Lookup::kPaper || !has_geometry))
-    variant.lookup = Lookup::kPaper;
-  else if (has_geometry)
-    variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
-  if (variant.near && hasRelief(variant)) {
-    variant.visibility = std::min(material.surface->visibility, most);
-    if (variant.lookup == Lookup::kFast)  // no better for the light than for the eye
-      variant.visibility = std::min(variant.visibility, Visibility::kFast);
+  if (lookup != Lookup::kNone && readsParameter(material)) {
+    if (variant.nearest_tables) return limitIssue(material, "nearest tables with a flat band");
+    if (material.stored_vdim && !(variant.near && variant.bands > 0) &&
+        (lookup == Lookup::kPaper || !has_geometry))
+      variant.lookup = Lookup::kPaper;
+    else if (has_geometry)
+      variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
+  }
+  if (variant.near) variant.visibility = shownVisibility(*material.surface, variant, visibility);
+  if (variant.visibility == Visibility::kMap) {
+    const int quads = material.surface->shadow.depth;
+    if (quads > LODEN_MAX_SHADOW_QUADS)
+      return limitIssue(material, "a shadow map of " + std::to_string(quads) + " layers, shaders read " +
+                                      std::to_string(LODEN_MAX_SHADOW_QUADS));
+    variant.shadow_quads = static_cast<uint8_t>(quads);
   }
   return variant;
 }
@@ -135,6 +149,7 @@ LodenMaterialData makeMaterialData(const Material& m) {
     const SurfaceMaps& maps = *m.surface;
     data.specular_scale = maps.specular_scale, data.surface_lambda = maps.lambda_first;
     data.ambient_lambda = maps.ambient_first;
+    data.shadow_side = float(maps.shadow_table.width);
     data.near_end = maps.fade_end, data.near_slope = ramp(maps.fade_begin, maps.fade_end);
   }
   if (!m.bands.empty()) {
@@ -173,8 +188,8 @@ void applyResidency(LodenMaterialData& data, const Material& material, const Res
   data.atlas_texels = state.atlas.texels, data.atlas_directions = state.atlas.directions;
   if (material.surface) {
     const SurfaceMaps& maps = *material.surface;
-    data.surface_lambda = maps.lambda_first + float(state.tail ? maps.tail_mip : 0);
-    data.ambient_lambda = maps.ambient_first + float(state.tail ? ambientTailMip(maps) : 0);
+    const SurfaceMaps read = state.tail ? tailOf(maps) : maps;
+    data.surface_lambda = read.lambda_first, data.ambient_lambda = read.ambient_first;
     // Bands stand in for what is not there.
     data.near_end = maps.fade_end, data.near_slope = state.surface ? ramp(maps.fade_begin, maps.fade_end) : 0;
   }

@@ -12,9 +12,9 @@ namespace loden::runtime {
 
 // What the shader must be built for. kPaper where only a stored VDIM exists, kNone where nothing is read at
 // p. kLimit if the material has more bands or quads than the shaders take, or mixes table layouts.
-// `most`: no better visibility than that.
+// `visibility` as MaterialSystemOptions has it.
 Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
-                                        Visibility most = Visibility::kDefault);
+                                        Visibility visibility = Visibility::kDefault);
 
 // The whole block but for what applyResidency writes. Texel data is not looked at.
 LodenMaterialData makeMaterialData(const Material& material);

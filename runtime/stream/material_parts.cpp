@@ -49,17 +49,23 @@ PartPlan storedVdimPart(const Material& material, float lambda_end) {
       PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
 }
 
+// What a variant reads of the maps; without texels.
+SurfaceMaps mapsOf(const Material& material, const MaterialVariant& variant) {
+  return variant.shadow_quads > 0 ? *material.surface : withoutShadow(*material.surface);
+}
+
 // The maps, or first their tail and further on the whole.
-void addSurface(std::vector<PartPlan>& parts, const Material& material) {
-  const SurfaceMaps& maps = *material.surface;
+void addSurface(std::vector<PartPlan>& parts, const Material& material, const MaterialVariant& variant) {
+  const SurfaceMaps maps = mapsOf(material, variant);
   const bool split = maps.tail_mip > 0;
   parts.push_back({split ? PartKind::kSurfaceTail : PartKind::kSurface,
                    0,
                    {},
-                   {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)}});
+                   {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)},
+                   variant.shadow_quads > 0});
 }
-void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
-  const SurfaceMaps& maps = *material.surface;
+void addWholeSurface(std::vector<PartPlan>& parts, const Material& material, const MaterialVariant& variant) {
+  const SurfaceMaps maps = mapsOf(material, variant);
   if (maps.tail_mip == 0) return;
   // Nobody demands less than lambda 0.
   PartDesc desc{gpuBytes(maps), std::max(maps.lambda_first + float(maps.tail_mip), 1.0f)};
@@ -67,7 +73,7 @@ void addWholeSurface(std::vector<PartPlan>& parts, const Material& material) {
   const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) {
     return part.desc.lambda_end < desc.lambda_end;
   });
-  parts.insert(finer, {PartKind::kSurface, 0, {}, desc});
+  parts.insert(finer, {PartKind::kSurface, 0, {}, desc, variant.shadow_quads > 0});
 }
 
 bool readsAtlas(Lookup lookup) {
@@ -169,18 +175,27 @@ Result<LoadedPart> loadStoredVdimPart(const AssetFile& file) {
   return part;
 }
 
-Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share, const KeptTexels* kept) {
+// Units of the near term's maps stand in the order of kSurfaceMapRows.
+static_assert(LODEN_UNIT_COLOR(1) == LODEN_UNIT_NORMAL(1) + 1 &&
+              LODEN_UNIT_AMBIENT(1) == LODEN_UNIT_NORMAL(1) + 2 &&
+              LODEN_UNIT_SHADOW(1) == LODEN_UNIT_NORMAL(1) + 3 &&
+              LODEN_UNIT_SHADOW_TABLE(1) == LODEN_UNIT_NORMAL(1) + 4);
+
+Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share, const KeptTexels* kept,
+                                   bool shadow) {
   Result<SurfaceMaps> maps = file.loadSurface(share, kept ? &kept->tail : nullptr);
   if (!maps) return maps.issue();
   LoadedPart part;
   if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::tail, *maps);
   const int bands = static_cast<int>(file.skeleton().bands.size());
-  const auto add = [&](int unit, const char* label, Texture& map) {
-    part.textures.push_back({unit, Sampling::kRepeatTrilinear, false, label, std::move(map)});
-  };
-  add(LODEN_UNIT_NORMAL(bands), "normal", maps->normal);
-  add(LODEN_UNIT_COLOR(bands), "color", maps->color);
-  add(LODEN_UNIT_AMBIENT(bands), "ambient", maps->ambient);
+  if (!shadow) *maps = withoutShadow(std::move(*maps));
+  int unit = LODEN_UNIT_NORMAL(bands);
+  for (const SurfaceMapRow& row : kSurfaceMapRows) {
+    Texture& map = (*maps).*row.texture;
+    const Sampling sampling = row.first ? Sampling::kRepeatTrilinear : Sampling::kClampLinear;
+    if (!map.empty()) part.textures.push_back({unit, sampling, false, row.name, std::move(map)});
+    ++unit;
+  }
   return part;
 }
 
@@ -220,9 +235,9 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
       add("a VDIM reference", material.stored_vdim->reference);
       return add("a packed VDIM", material.stored_vdim->packed);
     case PartKind::kSurface:
-      add("a normal map", material.surface->normal);
-      add("a color map", material.surface->color);
-      return add("an ambient map", material.surface->ambient);
+      for (const SurfaceMapRow& row : kSurfaceMapRows)
+        if (part.shadow || row.layers > 0) add(row.name, (*material.surface).*row.texture);
+      return;
   }
 }
 
@@ -233,9 +248,9 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
   std::vector<PartPlan> parts;
   if (variant.bands == 0) {
     const float end = parallaxEnd(material);
-    addSurface(parts, material);
+    addSurface(parts, material, variant);
     addLookupPart(parts, material, variant.lookup, end, full_atlas);
-    addWholeSurface(parts, material);
+    addWholeSurface(parts, material, variant);
     addFullAtlas(parts, variant.lookup, end, full_atlas);
     return parts;
   }
@@ -245,7 +260,12 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
   for (const Band& band : material.bands)
     if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
   addLookupPart(parts, material, variant.lookup, flat_end, full_atlas);
-  if (variant.near) parts.push_back({PartKind::kSurface, 0, {}, {gpuBytes(*material.surface), near_end}});
+  if (variant.near)
+    parts.push_back({PartKind::kSurface,
+                     0,
+                     {},
+                     {gpuBytes(mapsOf(material, variant)), near_end},
+                     variant.shadow_quads > 0});
   addBands(parts, material, Domain::kFlat);
   addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
   return parts;
@@ -287,11 +307,11 @@ Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const K
     case PartKind::kStoredVdim:
       return loadStoredVdimPart(file);
     case PartKind::kSurfaceTail:
-      return loadSurfacePart(file, kFirst, nullptr);
+      return loadSurfacePart(file, kFirst, nullptr, plan.shadow);
     case PartKind::kSurface:
       break;
   }
-  return loadSurfacePart(file, kAll, kept);
+  return loadSurfacePart(file, kAll, kept, plan.shadow);
 }
 
 }  // namespace loden::runtime

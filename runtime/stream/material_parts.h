@@ -23,6 +23,7 @@ struct PartPlan {
   int band = 0;         // of kBandLead and kBand: index in Material::bands
   VdimAtlasSize atlas;  // of kGeometry, which brings a small one, and of kAtlas, which replaces that
   PartDesc desc;
+  bool shadow = false;  // of kSurfaceTail and kSurface: with the shadow map
 };
 
 // Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is

@@ -21,6 +21,7 @@ struct MaterialVariant {
   Visibility visibility = Visibility::kNone;  // of the near term
   bool nearest_tables = false;                // tables of bands are read at the nearest sampled pair
   uint8_t first_unit = 0;                     // texture unit that the material's begin at
+  uint8_t shadow_quads = 0;                   // of the shadow map; 0 unless visibility is kMap
   bool shadesMaterial() const { return near || bands > 0; }
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };

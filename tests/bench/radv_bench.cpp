@@ -220,7 +220,7 @@ int main(int argc, char** argv) {
                                       {false, 2, Lookup::kNone},
                                       {false, 2, Lookup::kFast},
                                       {false, 2, Lookup::kDefault},
-                                      {false, 2, Lookup::kDefault, Visibility::kNone, false, true}};
+                                      {true, 1, Lookup::kDefault, Visibility::kMap, false, 0, 2}};
   for (const MaterialVariant& variant : variants) {
     std::vector<std::string> defines = variantDefines(variant);
     report(gpu, variantName(variant), kEvaluate, defines);

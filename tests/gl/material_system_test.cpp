@@ -168,6 +168,36 @@ TEST_F(MaterialSystemTest, RefusesOptionsThatCannotWork) {
   }
 }
 
+// What cast shadows come from: the asset's own way, at most what is wanted; the map where there is one and
+// either asks for it.
+TEST_F(MaterialSystemTest, FindsVisibilityByWhatTheAssetHolds) {
+  using enum Visibility;
+  Material with_map = test::nearMaterial();
+  const auto shown = [](const Material& m, Visibility wanted, Lookup lookup = Lookup::kDefault) {
+    const auto variant = materialVariant(m, lookup, wanted);
+    EXPECT_TRUE(variant.ok());
+    EXPECT_EQ(variant->shadow_quads, variant->visibility == kMap ? m.surface->shadow.depth : 0);
+    return variant->visibility;
+  };
+  for (const Visibility own : {kFast, kDefault, kMap}) {
+    with_map.surface->visibility = own;
+    EXPECT_EQ(shown(with_map, kNone), kNone);
+    EXPECT_EQ(shown(with_map, kMap), kMap);
+    EXPECT_EQ(shown(with_map, kMap, Lookup::kNone), kMap) << "read at x";
+    EXPECT_EQ(shown(with_map, kDefault), own);
+    EXPECT_EQ(shown(with_map, kFast), own == kMap ? kMap : kFast);
+    EXPECT_EQ(shown(with_map, kDefault, Lookup::kFast), own == kMap ? kMap : kFast);
+    if (own == kMap) continue;
+    Material without = with_map;
+    without.surface = withoutShadow(*with_map.surface);
+    EXPECT_EQ(shown(without, kMap), kFast);
+    EXPECT_EQ(shown(without, kDefault), own);
+    EXPECT_EQ(shown(without, kDefault, Lookup::kNone), kNone);
+  }
+  with_map.surface->visibility = kNone;
+  EXPECT_EQ(shown(with_map, kMap), kNone) << "shadows that the asset does not have";
+}
+
 TEST_F(MaterialSystemTest, ComparesEveryTextureWithTheDriversLimits) {
   for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()}) {
     const Result<MaterialVariant> variant = materialVariant(material, Lookup::kDefault);

@@ -240,7 +240,7 @@ void expectParity(const Material& material, const Way& way) {
     EXPECT_LE(differenceNearby(evaluator, s, way, gpu[k]), kMaxDifference)
         << "sample " << k << " differs by " << off << " and no jump is near";
   }
-  const bool shadows = material.surface && material.surface->visibility != Visibility::kNone;
+  const bool shadows = material.surface && byLookup(material.surface->visibility);
   EXPECT_LE(at_jumps, shadows && !way.environment ? kMaxAtShadows : kMaxAtJumps);
   EXPECT_LE(sum / kSamples, kMeanDifference);
   EXPECT_LE(other_fetches, kMaxOtherFetches);
@@ -277,6 +277,7 @@ struct Kind {
   Mode mode = Mode::kFused;
   importer::Preset preset = importer::Preset::kGame;
   importer::Near near = importer::Near::kSurface;
+  bool shadow_map = false;
   auto operator<=>(const Kind&) const = default;
 };
 
@@ -285,6 +286,7 @@ Material cooked(const importer::BakedOutput& baked, const Kind& kind) {
   options.mode = kind.mode;
   options.preset = kind.preset;
   options.near = kind.near;
+  if (kind.shadow_map) options.visibility = Visibility::kMap;
   options.quiet = true;
   auto material = importer::cook(baked, options);
   EXPECT_TRUE(material.ok()) << (material.ok() ? "" : material.issue().text);
@@ -299,6 +301,7 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
   const Bake baked = bakeSmall(GetParam());
   const auto surface = importer::Near::kSurface, band = importer::Near::kBand;
   const Kind fused{}, flat{Mode::kFused, kGame, band};
+  const Kind mapped{Mode::kFused, kGame, surface, true}, near_mapped{Mode::kSurface, kGame, surface, true};
   const Kind near{Mode::kSurface, kGame}, published{Mode::kSurface, kSeed, surface};
   const Kind lod{Mode::kLod, kGame}, lod_published{Mode::kLod, kSeed};
   const Way full{}, faded{Lookup::kDefault, Parallax::kFaded}, fast{Lookup::kFast}, none{Lookup::kNone};
@@ -313,19 +316,26 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
     bool cosine_included = true;
   };
   std::map<Kind, Material> materials;
-  for (const Case& c :
-       {Case{"near and coarse", fused, full}, Case{"near and coarse, fast", fused, fast},
-        Case{"near and coarse, faded", fused, faded}, Case{"near and coarse, curved", fused, curved},
-        Case{"near and coarse, environment", fused, lit},
-        Case{"near and coarse, curved, environment", fused, lit_curved},
-        Case{"near and coarse, no shadows", fused, full, Visibility::kNone},
-        Case{"surface", near, full, Visibility::kNone},
-        Case{"surface, shadows", near, full, Visibility::kDefault},
-        Case{"surface as published", published, {Lookup::kPaper}, Visibility::kNone},
-        Case{"surface, environment", near, lit}, Case{"lod as published", lod_published, none},
-        Case{"lod with 8-bit maps", lod, none}, Case{"lod without the cosine", lod, none, {}, false},
-        Case{"lod, environment", lod_published, {Lookup::kNone, Parallax::kFull, true}},
-        Case{"flat band", flat, full}, Case{"flat band, environment", flat, lit}}) {
+  for (const Case& c : {Case{"near and coarse", fused, full},
+                        Case{"near and coarse, fast", fused, fast},
+                        Case{"near and coarse, faded", fused, faded},
+                        Case{"near and coarse, curved", fused, curved},
+                        Case{"near and coarse, environment", fused, lit},
+                        Case{"near and coarse, curved, environment", fused, lit_curved},
+                        Case{"near and coarse, no shadows", fused, full, Visibility::kNone},
+                        Case{"near and coarse, shadow map", mapped, full, Visibility::kMap},
+                        Case{"near and coarse, shadow map, curved", mapped, curved, Visibility::kMap},
+                        Case{"surface, shadow map", near_mapped, fast, Visibility::kMap},
+                        Case{"surface", near, full, Visibility::kNone},
+                        Case{"surface, shadows", near, full, Visibility::kDefault},
+                        Case{"surface as published", published, {Lookup::kPaper}, Visibility::kNone},
+                        Case{"surface, environment", near, lit},
+                        Case{"lod as published", lod_published, none},
+                        Case{"lod with 8-bit maps", lod, none},
+                        Case{"lod without the cosine", lod, none, {}, false},
+                        Case{"lod, environment", lod_published, {Lookup::kNone, Parallax::kFull, true}},
+                        Case{"flat band", flat, full},
+                        Case{"flat band, environment", flat, lit}}) {
     SCOPED_TRACE(c.name);
     if (!materials.contains(c.kind)) materials[c.kind] = cooked(baked.output, c.kind);
     Material material = materials[c.kind];

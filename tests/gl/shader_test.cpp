@@ -172,6 +172,7 @@ TEST_F(SharedLayout, IsWhatTheDriverSays) {
       LODEN_MEMBER(ambient_lambda),
       LODEN_MEMBER(near_end),
       LODEN_MEMBER(near_slope),
+      LODEN_MEMBER(shadow_side),
       {"environment_mean[0]", offsetof(LodenMaterialData, environment_mean)},
       {"bands[0].window", offsetof(LodenMaterialData, bands)},
       LODEN_BAND_MEMBER(window, ""),

@@ -9,6 +9,7 @@
 #include "importer/bake/bake.h"
 #include "importer/cook/cook.h"
 #include "importer/fit/sampled_error.h"
+#include "importer/fit/surface_light.h"
 #include "material/asset/asset.h"
 #include "material/eval/evaluate.h"
 
@@ -65,10 +66,70 @@ TEST_F(FitNear, ShadowsArePartOfIt) {
   EXPECT_NE(chosen.surface->visibility, Visibility::kNone);
 }
 
+TEST_F(FitNear, AMapOfShadowsIsNearlyAsClose) {
+  const Material map = cooked({.visibility = Visibility::kMap}),
+                 lookup = cooked({.visibility = Visibility::kFast}),
+                 without = cooked({.visibility = Visibility::kNone});
+  EXPECT_LT(errorOf(map), 0.75 * errorOf(without));
+  EXPECT_LT(errorOf(map), 1.5 * errorOf(lookup));
+  const auto raw = [](const Material& m) { return int(nlohmann::json::parse(m.meta_json)["raw_bytes"]); };
+  EXPECT_EQ(raw(map) - raw(lookup),
+            int(map.surface->shadow.data.size() + map.surface->shadow_table.data.size()));
+}
+
 TEST_F(FitNear, DoesNotDependOnThreads) {
-  const auto one = serializeAsset(cooked({.threads = 1})), three = serializeAsset(cooked({.threads = 3}));
-  ASSERT_TRUE(one.ok() && three.ok());
-  EXPECT_TRUE(*one == *three);
+  for (const auto visibility : {std::optional<Visibility>(), std::optional(Visibility::kMap)}) {
+    const auto one = serializeAsset(cooked({.visibility = visibility, .threads = 1})),
+               three = serializeAsset(cooked({.visibility = visibility, .threads = 3}));
+    ASSERT_TRUE(one.ok() && three.ok());
+    EXPECT_TRUE(*one == *three);
+  }
+}
+
+// Bumps that shade each other: the clamped sum of eight components leaves half of what a plain one does.
+TEST(SurfaceLight, FitsTheEdgesOfShadows) {
+  constexpr int kSide = 32;
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < kSide * kSide; ++t) {
+    const glm::dvec2 p = (glm::dvec2(t % kSide, t / kSide) + 0.5) / double(kSide);
+    positions.emplace_back(p, 0.12 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1));
+  }
+  const GeometryImage image =
+      encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  const std::vector<glm::dvec3> directions = shadowDirections(9);
+  const SurfaceLight light = surfaceLight(image, kSide, directions, 2, 0);
+  const auto errorOf = [&](const Factors& f) {
+    double squares = 0, all = 0;
+    for (int t = 0; t < light.open.rows; ++t)
+      for (int l = 0; l < light.open.cols; ++l) {
+        double shadow = 0;
+        for (int c = 0; c < f.components(); ++c) shadow += f.weights(t, c) * f.basis(l, c);
+        const double lit = light.open(t, l) * (1 - std::clamp(shadow, 0.0, 1.0));
+        squares += std::pow(lit - light.lit(t, l), 2);
+        all += std::pow(light.open(t, l) - light.lit(t, l), 2);
+      }
+    return std::sqrt(squares / all);
+  };
+  Matrix shadow(light.open.rows, light.open.cols);
+  for (size_t i = 0; i < shadow.data.size(); ++i)
+    if (light.open.data[i] > 0) shadow.data[i] = 1 - light.lit.data[i] / light.open.data[i];
+  const double fitted = errorOf(fitShadow(light, 8, 0)), plain = errorOf(leadingFactors(blocksOf(shadow), 8));
+  EXPECT_LT(fitted, 0.5 * plain) << fitted << " and " << plain;
+  EXPECT_LT(fitted, 0.2) << "of what no shadows at all leave";
+}
+
+// Without surface, or on a plane, all light arrives.
+TEST(SurfaceLight, NothingShadesAPlane) {
+  const std::vector<glm::dvec3> directions = shadowDirections(5);
+  const SurfaceLight light = surfaceLight({}, 4, directions, 2, 0);
+  for (int l = 0; l < light.open.cols; ++l)
+    for (int t = 0; t < 16; ++t) {
+      EXPECT_EQ(light.open(t, l), directions[size_t(l)].z);
+      EXPECT_EQ(light.lit(t, l), light.open(t, l));
+    }
+  const Factors factors = fitShadow(light, 4, 0);
+  for (const double w : factors.weights.data) EXPECT_TRUE(std::isfinite(w));
+  for (const double e : factors.basis.data) EXPECT_NEAR(e, 0, 1e-9);
 }
 
 TEST_F(FitNear, SaysWhatItMeasured) {

@@ -423,9 +423,21 @@ TEST(AssetIssues, MapField) {
                          [](Material& m) { m.surface->fade_begin = -kInfinity; },
                          [](Material& m) { m.surface->specular_scale = 1e30f; },
                          [](Material& m) { m.surface->lobe = static_cast<Lobe>(2); },
-                         [](Material& m) { m.surface->visibility = static_cast<Visibility>(3); },
+                         [](Material& m) { m.surface->visibility = static_cast<Visibility>(4); },
+                         [](Material& m) { m.surface->visibility = Visibility::kMap; },
                          [](Material& m) { m.surface->tail_mip = 4; },
                          [](Material& m) { m.surface->tail_mip = -1; },
+                     });
+  expectEachRejected(test::nearMaterial, issue_id::kMapField,
+                     {
+                         [](Material& m) { m.surface->shadow = {}; },
+                         [](Material& m) { m.surface->shadow_table = {}; },
+                         [](Material& m) { m.surface->shadow.mips = 3; },
+                         [](Material& m) { m.surface->shadow.depth = 2; },
+                         [](Material& m) { m.surface->shadow_table.depth = 2; },
+                         [](Material& m) { m.surface->shadow_table.width = 4; },
+                         [](Material& m) { m.surface->shadow_table.width = 257; },
+                         [](Material& m) { m.surface->shadow_table.mips = 2; },
                      });
 }
 

@@ -121,9 +121,8 @@ void expectSameMaps(const Material& a, const Material& b) {
   EXPECT_EQ(a.surface->fade_end, b.surface->fade_end);
   EXPECT_EQ(a.surface->lambda_first, b.surface->lambda_first);
   EXPECT_EQ(a.surface->tail_mip, b.surface->tail_mip);
-  expectSame(a.surface->normal, b.surface->normal);
-  expectSame(a.surface->color, b.surface->color);
-  expectSame(a.surface->ambient, b.surface->ambient);
+  for (const SurfaceMapRow& row : kSurfaceMapRows)
+    expectSame((*a.surface).*row.texture, (*b.surface).*row.texture);
 }
 
 Material plainMaterial(Mode mode, const char* name) {
@@ -183,6 +182,21 @@ Material surfaceMaterial() {
   return material;
 }
 
+namespace {
+
+void addShadow(SurfaceMaps& maps, int layers, uint32_t seed) {
+  maps.shadow = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, layers, 4, seed);
+  maps.shadow_table =
+      noiseTexture(TexelFormat::kRGBA16Sfloat, TextureShape::kArray2D, 5, 5, layers, 1, seed + 1);
+  for (int d = 0; d < 25 * layers; ++d) {
+    const glm::ivec3 at(d % 5, d / 5 % 5, d / 25);
+    storeTexel(maps.shadow_table, 0, at.x, at.y, at.z,
+               0.25f * fetchTexel(maps.shadow_table, 0, at.x, at.y, at.z));
+  }
+}
+
+}  // namespace
+
 Material lodMaterial() {
   Material material = plainMaterial(Mode::kLod, "lod");
   material.lambda_max = 2;
@@ -214,6 +228,7 @@ Material nearMaterial() {
   maps.normal =
       noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 65);
   maps.color = noiseTexture(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 66);
+  addShadow(maps, 1, 67);
   material.surface = maps;
   return material;
 }
@@ -240,6 +255,8 @@ Material splitSurfaceMaterial() {
   Material material = surfaceMaterial();
   material.name = "split surface";
   material.surface->tail_mip = 2;
+  addShadow(*material.surface, 2, 69);
+  material.surface->visibility = Visibility::kMap;
   return material;
 }
 

@@ -14,9 +14,10 @@ Texture noiseTexture(TexelFormat format, TextureShape shape, int width, int heig
 Material surfaceMaterial();  // geometry image, stored VDIM, three maps, no band
 Material lodMaterial();      // three nearest-layout bands, RGBA32F, one spare layer
 Material fusedMaterial();    // flat band with ratio, reference band with mips, geometry image, 8 bit
-Material nearMaterial();     // near term of GGX maps, twice as fine as the side, and a reference band
+Material nearMaterial();     // near term of GGX maps, twice as fine as the side, shadow map, reference band
 
-// The same, with the reference band (three quads, a ratio and a spare layer) and the maps in two chunks each.
+// The same, with the reference band (three quads, a ratio and a spare layer) and the maps in two chunks each,
+// the latter with a shadow map.
 Material splitFusedMaterial();
 Material splitSurfaceMaterial();
 

@@ -133,8 +133,13 @@ class Listing {
     listTexels("BAND", band.weights);
     listTexels("BAND", band.table);
   }
+  static std::vector<const Texture*> texturesOf(const SurfaceMaps& maps) {
+    std::vector<const Texture*> textures{&maps.normal, &maps.color, &maps.ambient};
+    if (maps.shadow.width > 0) textures.insert(textures.end(), {&maps.shadow, &maps.shadow_table});
+    return textures;
+  }
   void listMaps(const SurfaceMaps& maps) {
-    for (const Texture* map : {&maps.normal, &maps.color, &maps.ambient}) listTexels("SURF", *map);
+    for (const Texture* map : texturesOf(maps)) listTexels("SURF", *map);
   }
 
   // Texels [begin, end) of one mip of a texture, layer by layer, appended to a share's bytes.
@@ -166,12 +171,13 @@ class Listing {
   }
   void listSplit(const SurfaceMaps& maps) {
     for (const bool tail : {true, false})
-      for (const Texture* map : {&maps.normal, &maps.color, &maps.ambient}) {
+      for (const Texture* map : texturesOf(maps)) {
         std::vector<std::byte> share;
         const float level = maps.lambda_first + float(maps.tail_mip) - maps.ambient_first;
-        const int first = map == &maps.ambient
-                              ? std::clamp(int(std::floor(level + 0.5f)), 0, maps.ambient.mips - 1)
-                              : maps.tail_mip;
+        const bool coarser = map == &maps.ambient || map == &maps.shadow;
+        const int first = map == &maps.shadow_table ? 0
+                          : coarser ? std::clamp(int(std::floor(level + 0.5f)), 0, map->mips - 1)
+                                    : maps.tail_mip;
         for (int mip = tail ? first : 0; mip < (tail ? map->mips : first); ++mip)
           appendLayers(*map, mip, 0, map->depth, share);
         listShare("SURF", "map", share);

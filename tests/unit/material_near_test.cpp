@@ -134,6 +134,32 @@ TEST(Near, FadesIntoTheBandsWithoutAStep) {
     EXPECT_LT(glm::length(value(lambda + 1e-3) - value(lambda)), 4e-3) << lambda;
 }
 
+// V by map is 1 - clamp(sum of products) of the texels at their centres, and multiplies what is lit.
+TEST(Near, AShadowMapMultipliesTheReflectance) {
+  Material shaded = test::splitSurfaceMaterial(), open = shaded;
+  open.surface->visibility = Visibility::kNone;
+  const Evaluator evaluator(shaded), without(open);
+  const SurfaceMaps& maps = *shaded.surface;
+  const int side = maps.shadow.width, across = maps.shadow_table.width;
+  double least = 1, most = 0;
+  for (int k = 0; k < side * side; ++k) {
+    const glm::ivec2 texel(k % side, k / side), direction(1 + k % (across - 2), 1 + k / 7 % (across - 2));
+    const glm::dvec2 p = (glm::dvec2(texel) + 0.5) / double(side);
+    const glm::dvec3 wi = directionFromSquare(glm::dvec2(direction) / double(across - 1)), wo(0, 0, 1);
+    double sum = 0;
+    for (int layer = 0; layer < maps.shadow.depth; ++layer)
+      sum += glm::dot(glm::dvec4(fetchTexel(maps.shadow, 0, texel.x, texel.y, layer)),
+                      glm::dvec4(fetchTexel(maps.shadow_table, 0, direction.x, direction.y, layer)));
+    const double visible = std::clamp(1 - sum, 0.0, 1.0);
+    least = std::min(least, visible), most = std::max(most, visible);
+    EXPECT_NEAR(mappedVisibility(maps, p, 0.0, wi), visible, 1e-9);
+    const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
+    const glm::dvec3 lit = without.evaluate(without.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], visible * lit[c], 1e-9);
+  }
+  EXPECT_LT(least, most - 0.2) << "the samples say little";
+}
+
 TEST(Near, IsTheWholeOfAMaterialWithoutBands) {
   const Material surface = test::surfaceMaterial(), lod = test::lodMaterial();
   EXPECT_EQ(nearWeight(surface, 9.0f), 1.0f);

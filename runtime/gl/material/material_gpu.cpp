@@ -132,6 +132,9 @@ void MaterialGpu::createSurfaceStandIns() {
   add(LODEN_UNIT_COLOR(0), TexelFormat::kRGBA8Unorm, {{glm::sqrt(meanAlbedo(mean)), strength}});
   // Of a plane with nothing around it: the integrals of the basis times the cosine, over pi.
   add(LODEN_UNIT_AMBIENT(0), TexelFormat::kRGBA8Snorm, {{1, 2.0f / 3, 0, 0}, {0, 0, 0, 0}});
+  // No shadows.
+  if (variant_.shadow_quads > 0)
+    add(LODEN_UNIT_SHADOW(0), TexelFormat::kRGBA8Snorm, std::vector<glm::vec4>(variant_.shadow_quads));
   stand_ins_shown_ = true;
 }
 

@@ -33,7 +33,10 @@ struct MaterialSystemOptions {
   float release_seconds = 3;         // what nobody has demanded for longer goes even where there is room
   Lookup lookup = Lookup::kDefault;  // where a material has geometry; kPaper where it stores a VDIM; kQuality
                                      // is drawn as kDefault
-  Visibility visibility = Visibility::kDefault;  // of near terms, at most: kNone leaves out cast shadows
+  // Of near terms that have cast shadows: kNone leaves them out; kFast and kDefault, at most that lookup, or
+  // the shadow map of assets that are cooked for it; kMap, the shadow map where an asset holds one, else
+  // kFast.
+  Visibility visibility = Visibility::kDefault;
   // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with
   // a small one.
   std::optional<VdimAtlasSize> atlas_size = {};

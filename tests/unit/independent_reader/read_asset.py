@@ -12,6 +12,7 @@ from xxh3 import xxh3_64
 
 MAGIC = bytes.fromhex("AB4C4F44454E31BB0D0A1A0A")
 TEXEL_BYTES = {38: 4, 37: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4}
+SURFACE_FORMATS = (38, 37, 38, 38, 97)  # normal, color, ambient, shadow, shadow table
 
 
 def require(holds, text):
@@ -96,12 +97,15 @@ def read_surface(head):
     print(head.bits(5), end=" ")
     tail = head.u32()
     print(tail)
-    maps = [(kind, *head.u32(2), layers, head.u32()) for kind, layers in ((38, 1), (37, 1), (38, 2))]
+    maps = [(kind, *head.u32(4)) for kind in SURFACE_FORMATS]
+    there = [extents for extents in maps if extents[1] > 0]
     if tail == 0:
-        return [("SURF", [texture(*extents) for extents in maps])]
-    ambient_tail = min(max(math.floor(first + tail - ambient_first + 0.5), 0), maps[2][4] - 1)
-    whole = [texture(*extents)[2] for extents in maps]
-    fine = [texture(*extents[:4], mip)[2] for extents, mip in zip(maps, (tail, tail, ambient_tail))]
+        return [("SURF", [texture(*extents) for extents in there])]
+    coarser = math.floor(first + tail - ambient_first + 0.5)
+    tails = (tail, tail, coarser, coarser, 0)
+    cuts = [min(max(mip, 0), extents[4] - 1) for mip, extents in zip(tails, maps) if extents[1] > 0]
+    whole = [texture(*extents)[2] for extents in there]
+    fine = [texture(*extents[:4], mip)[2] for extents, mip in zip(there, cuts)]
     return [("SURF", [("map", (), w - f) for w, f in zip(whole, fine)]),
             ("SURF", [("map", (), f) for f in fine])]
 

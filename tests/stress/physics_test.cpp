@@ -77,7 +77,7 @@ LocalBrdf lambert(float albedo) {
 }
 
 TEST(StressPhysics, WhiteTilesVanishInAWhiteSky) {
-  const int64_t samples = amount(200'000, 4'000'000);
+  const int64_t samples = amount(200'000, 1'000'000);
   const auto furnace = [&](const std::string& what, const Tile& tile) {
     const TileTracer tracer(tile);
     double worst = 0, noise = 0;
@@ -108,7 +108,7 @@ TEST(StressPhysics, NoTileReflectsMoreThanAllLight) {
     ASSERT_TRUE(tile.ok());
     const TileTracer tracer(*tile);
     for (const double theta : {0.0, 60.0, 80.0}) {
-      const Estimate e = underWhiteSky(tracer, viewAt(theta), 30, amount(6'000, 200'000));
+      const Estimate e = underWhiteSky(tracer, viewAt(theta), 30, amount(6'000, 50'000));
       if (e.mean - 3 * e.error > most) most = e.mean - 3 * e.error, which = name;
     }
   }
@@ -129,7 +129,7 @@ TEST(StressPhysics, TilesAreReciprocalWithinNoise) {
       for (int a = 0; a < 4; ++a)
         for (int b = 0; b < a; ++b) {
           const auto towards = [&](const glm::dvec3& wi, const glm::dvec3& wo, uint64_t salt) {
-            return estimate(amount(40'000, 1'000'000), [&, salt](uint64_t k) {
+            return estimate(amount(40'000, 200'000), [&, salt](uint64_t k) {
               return valueAt(tracer, wi, wo, bounces, mixSeed(salt, k)) / wi.z;
             });
           };
@@ -354,7 +354,7 @@ TEST(StressPhysics, TheNearTermReflectsNoMoreThanAllLight) {
         point.width = alpha;
         point.f0 = glm::dvec3(metal ? 1.0 : 0.04), point.diffuse = glm::dvec3(metal ? 0.0 : 1.0);
         const glm::dvec3 wo = viewAt(theta);
-        const Estimate e = estimate(amount(20'000, 400'000), [&](uint64_t k) {
+        const Estimate e = estimate(amount(20'000, 100'000), [&](uint64_t k) {
           const uint64_t seed = mixSeed(41, k);
           const double u = uniform(seed, 1), phi = 2 * kPi * uniform(seed, 2);
           glm::dvec3 wi;

@@ -1,24 +1,25 @@
 #!/usr/bin/env bash
 # The stress tests at full length, and RESULTS.md from the numbers that they note.
-#   results.sh BIN RESULTS LOG    BIN: folder of the programs; LOG: where their output goes
+#   results.sh BIN RESULTS LOG [assemble]    BIN: folder of the programs; LOG: where their output goes;
+#                                            assemble: from the numbers of the last run
 set -euo pipefail
 readonly BIN=$1 RESULTS=$2 LOG=$3
 export LODEN_STRESS_LONG=1 LODEN_STRESS_RECORD=$LOG.rows
-: >"$LOG"
-: >"$LODEN_STRESS_RECORD"
 
-status=0
-for program in stress_material stress_importer stress_gl; do
-  [[ -x $BIN/$program ]] || continue
+run() {
+  local program status=0
+  : >"$LOG"
+  : >"$LODEN_STRESS_RECORD"
   # Software rendering, headless, as in the tests.
-  GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling} LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless \
-    "$BIN/$program" >>"$LOG" 2>&1 || status=1
-done
-((status == 0)) || { grep -h '^\[  FAILED' "$LOG" | sort -u >&2; exit 1; }
-if [[ -x $BIN/stress_time_error ]]; then
-  GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling} LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless \
+  export GALLIVM_PERF=${GALLIVM_PERF-no_aos_sampling} LIBGL_ALWAYS_SOFTWARE=1 EGL_PLATFORM=surfaceless
+  for program in stress_material stress_importer stress_gl; do
+    [[ ! -x $BIN/$program ]] || "$BIN/$program" >>"$LOG" 2>&1 || status=1
+  done
+  ((status == 0)) || { grep -h '^\[  FAILED' "$LOG" | sort -u >&2; exit 1; }
+  [[ ! -x $BIN/stress_time_error ]] ||
     "$BIN/stress_time_error" "${RESULTS%/*}/time-error.svg" >"$LOG.times"
-fi
+}
+[[ ${4-} == assemble ]] || run
 
 title() {
   case $1 in

@@ -4,6 +4,7 @@
 //   stress_time_error PLOT.svg
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -240,13 +241,15 @@ int main(int argc, char** argv) {
     for (const importer::PlotSeries& s : panel.series) series.push_back({s.name, {}});
   for (importer::PlotPanel& panel : panels) {
     std::vector<importer::PlotSeries> all = series;
-    for (importer::PlotSeries& s : all)
+    for (importer::PlotSeries& s : all) {
       for (const importer::PlotSeries& own : panel.series)
         if (own.name == s.name) s.points = own.points;
+      std::sort(s.points.begin(), s.points.end());
+    }
     panel.series = std::move(all);
   }
-  const Status written = importer::writePlot(
-      {"Time against error", "time, ratio to the cheapest", "PSNR, dB", true, panels}, argv[1]);
+  const Status written =
+      importer::writePlot({"Time against error", "time, ratio", "PSNR, dB", true, panels}, argv[1]);
   if (!written) std::fprintf(stderr, "%s: %s\n", written.issue().where.c_str(), written.issue().text.c_str());
   return written ? 0 : 2;
 }

@@ -413,6 +413,54 @@ TEST(Walk, CloseCamera_SeesWhatTraceSees) {
   EXPECT_GT(psnr, 15) << "a black picture is at some 10";
 }
 
+// The same picture as of the packed scene, which the same period laid out.
+TEST(Walk, AnAssetIsWornWithoutPacking) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  ASSERT_EQ(loden({"pack", scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(),
+                   "--period", "20cm", "-o", scratch / "packed.gltf", "-q"})
+                .exit_code,
+            0);
+  const std::vector<std::string> common{"--headless", "--size", "32x32", "-q", "--capture"};
+  const auto draw = [&](const char* folder, std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), common.begin(), common.end());
+    arguments.push_back(scratch / folder);
+    const ToolRun run = runTool(LODEN_WALK, arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return scratch / folder / "frame_0000.png";
+  };
+  const auto packed = draw("a", {scratch / "packed.gltf"});
+  const auto worn = draw(
+      "b", {scratch / "scene.gltf", "--material", "Cloth", "--asset", sharedAsset(), "--period", "20cm"});
+  const ToolRun run = loden({"compare", packed, worn, "--format", "json", "-q"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_LT(nlohmann::json::parse(run.out)["flip"]["mean"].get<double>(), 0.05)
+      << "but for flat normals, which files without normals have";
+
+  const ToolRun unknown = runTool(
+      LODEN_WALK, {scratch / "scene.gltf", "--material", "Sofa", "--asset", sharedAsset(), "--headless"});
+  EXPECT_NE(unknown.exit_code, 0);
+  EXPECT_NE(unknown.err.find("'Cloth'"), std::string::npos) << unknown.err;
+}
+
+TEST(Walk, TurntablesAreFilmed) {
+  const ScratchFolder scratch;
+  const ToolRun run = runTool(LODEN_WALK, {sharedAsset(), "--turntable", "3", "--size", "33x24", "--film",
+                                           scratch / "film", "--report", scratch / "report.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("--period"), std::string::npos) << "the asset does not say how long its tile is";
+  const std::string first = fileText(scratch / "film/frame_0000.png");
+  EXPECT_FALSE(first.empty());
+  EXPECT_NE(first, fileText(scratch / "film/frame_0001.png"));
+  EXPECT_TRUE(std::filesystem::exists(scratch / "film/frame_0002.png"));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "film/frame_0003.png"));
+  const bool encoded = std::filesystem::exists(scratch / "film/film.mp4");
+  EXPECT_EQ(encoded, run.out.find("film.mp4") != std::string::npos) << run.out;
+  const auto report = nlohmann::json::parse(fileText(scratch / "report.json"));
+  ASSERT_EQ(report["frames"].size(), 3u);
+  EXPECT_EQ(report["frames"][2]["materials"].size(), 1u);
+}
+
 TEST(Walk, BadCameraScriptOrEnvironment_IsInvalidInputInWordsOfOurOwn) {
   const ScratchFolder scratch;
   const std::string file = scratch / "file";

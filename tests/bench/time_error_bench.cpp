@@ -129,10 +129,9 @@ class FetchBytes {
       if (nearest) bytes_[LODEN_UNIT_NEAREST_LIGHT] = bytes_[LODEN_UNIT_NEAREST_VIEW] = 1;  // R8
     }
     if (m.surface) {
-      const int bands = int(m.bands.size());
-      set(LODEN_UNIT_NORMAL(bands), m.surface->normal, 8);
-      set(LODEN_UNIT_COLOR(bands), m.surface->color, 8);
-      set(LODEN_UNIT_AMBIENT(bands), m.surface->ambient, 8);
+      int unit = LODEN_UNIT_NORMAL(int(m.bands.size()));
+      for (const SurfaceMapRow& row : kSurfaceMapRows)
+        set(unit++, (*m.surface).*row.texture, row.first ? 8 : 4);
     }
     if (m.stored_vdim) {
       set(LODEN_UNIT_PAPER_REFERENCE, m.stored_vdim->reference, 1);

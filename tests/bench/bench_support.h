@@ -24,7 +24,8 @@ GeometryImage wavyGeometry(int side);
 // program whose `usage` names none.
 void answerHelp(int argc, char** argv, const char* usage);
 
-// Headless, with the driver's messages on stderr; exits if there is none.
+// Headless, with the driver's messages on stderr; exits if there is none. llvmpipe draws on the calling
+// thread unless LP_NUM_THREADS says otherwise.
 std::unique_ptr<runtime::Device> makeDevice();
 
 std::shared_ptr<const ByteSource> assetSource(const Material& material);
@@ -53,7 +54,9 @@ extern const char kMaterialFragment[];
 void drawAt(const FullScreen& screen, const runtime::GlProgram& program, glm::vec2 lambda);
 double meanFetches(const FullScreen& screen, const runtime::GlProgram& program, glm::vec2 lambda);
 
-// Median milliseconds of each task, all run in turn within each of `rounds` rounds, after two to warm up.
+// Median milliseconds of each task, all run in turn within each of `rounds` rounds, after two to warm up: of
+// this process's processor time, which other programs disturb least, or by the driver's timer where a GPU
+// draws.
 std::vector<double> interleavedMedians(const std::vector<std::function<void()>>& tasks, int rounds);
 
 // The value, or the issue on stderr and the exit code that goes with it.

@@ -195,7 +195,7 @@ void report(const Gpu& gpu, const std::string& name, const char* text,
             const std::vector<std::string>& defines) {
   std::map<std::string, uint64_t> s = statisticsOf(gpu, spirv(text, defines));
   const auto value = [&](const char* key) { return static_cast<unsigned long long>(s[key]); };
-  std::printf("%-24s %12llu %8llu %8llu %10llu %10llu\n", name.c_str(), value("Instructions"), value("VGPRs"),
+  std::printf("%-52s %12llu %8llu %8llu %10llu %10llu\n", name.c_str(), value("Instructions"), value("VGPRs"),
               value("Subgroups per SIMD"), value("Latency"), value("Inverse Throughput"));
 }
 
@@ -205,7 +205,7 @@ int main(int argc, char** argv) {
   bench::answerHelp(argc, argv, "bench_radv");
   const Gpu gpu = openGpu();
   std::printf("# bench_radv: %s, one point and one light per invocation\n", gpu.name.c_str());
-  std::printf("%-24s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency",
+  std::printf("%-52s %12s %8s %8s %10s %10s\n", "shader", "instructions", "VGPRs", "waves", "latency",
               "inv.thr.");
   report(gpu, "diffuse + normal map", kNormalMap, {});
   const MaterialVariant variants[] = {{true, 0, Lookup::kNone},
@@ -221,12 +221,17 @@ int main(int argc, char** argv) {
                                       {false, 2, Lookup::kFast},
                                       {false, 2, Lookup::kDefault},
                                       {true, 1, Lookup::kDefault, Visibility::kMap, false, 0, 2}};
-  for (const MaterialVariant& variant : variants) {
-    std::vector<std::string> defines = variantDefines(variant);
-    report(gpu, variantName(variant), kEvaluate, defines);
-    if (variant.lookup != Lookup::kFast && variant.lookup != Lookup::kDefault) continue;
-    defines.push_back("CURVED 1");
-    report(gpu, variantName(variant) + ", curved", kEvaluate, defines);
+  for (MaterialVariant variant : variants) {
+    for (const bool height_field : {false, true}) {
+      if (height_field && !hasRelief(variant)) continue;
+      variant.height_field = height_field;
+      std::vector<std::string> defines = variantDefines(variant);
+      report(gpu, variantName(variant), kEvaluate, defines);
+      if (!hasRelief(variant)) continue;
+      defines.push_back("CURVED 1");
+      defines.push_back("LODEN_FOLLOW_SURFACE 1");
+      report(gpu, variantName(variant) + ", curved", kEvaluate, defines);
+    }
   }
   return 0;
 }

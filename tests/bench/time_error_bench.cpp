@@ -1,11 +1,15 @@
 // Run time against error: every way to draw a tile, in one interleaved run, on the same pixels, against the
-// traced tile. A plane fills the picture, one light; near (63 pixels a tile) and far (a pixel covers 4 texels
-// a side). Peers that need a height field are drawn on tiles that are one. They have no cast shadows, as such
-// shaders usually have not.
+// traced tile. A plane fills the picture; at lambda 0 a pixel covers a texel, at 2 it covers 4 a side. Peers
+// that need a height field are drawn on tiles that are one. They have no cast shadows, as such shaders
+// usually have not.
 //
 // `loden study time-error` runs it with the options of a study.
 //
-// fetches_per_pixel counts texture instructions; bytes_per_pixel the bytes of the texels that their filters
+// Time is processor time of this process with the picture drawn by the calling thread (LP_NUM_THREADS=0,
+// unless the environment says otherwise), which other programs on the machine disturb least.
+//
+// fetches_per_pixel counts texture instructions, fetches_slowest those of the pixel that issues most in each
+// block of 8 x 4, as a GPU's wave waits for it; bytes_per_pixel the bytes of the texels that their filters
 // read: 1 texel for a fetch, 4 for a gather or a bilinear filter, 8 with mip levels or in a volume. No cache
 // is assumed: a texel that neighbouring pixels share counts for each of them.
 #include <epoxy/gl.h>
@@ -14,7 +18,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include "importer/base/flip.h"
 #include "importer/base/metrics.h"
@@ -25,6 +31,7 @@
 #include "importer/study/study.h"
 #include "importer/tile/tile_tracer.h"
 #include "material/asset/asset.h"
+#include "material/system/asset_io.h"
 #include "material/system/atomic_file.h"
 #include "runtime/stream/shader_variants.h"
 #include "shaders/loden_shared.h"
@@ -38,17 +45,31 @@ using namespace loden::bench;
 using namespace loden::runtime;
 using importer::BakedOutput;
 
-constexpr int kPixels = 190, kRounds = 11, kTruthSamples = 8;  // samples per pixel side
-const glm::dvec3 kLight = glm::normalize(glm::dvec3(0.5, 0.3, 0.8));
+constexpr int kPixels = 192, kRounds = 11, kTruthSamples = 8;  // samples per pixel side
+constexpr int kBlockWidth = 8, kBlockHeight = 4;               // pixels that a wave of 32 draws
 
+// The first is drawn with one light, all with four.
+const glm::dvec3 kLights[] = {
+    glm::normalize(glm::dvec3(0.5, 0.3, 0.8)), glm::normalize(glm::dvec3(-0.3, 0.5, 0.8)),
+    glm::normalize(glm::dvec3(-0.5, -0.3, 0.6)), glm::normalize(glm::dvec3(0.3, -0.5, 1.0))};
+constexpr int kMostLights = 4;
+
+// How the plane is seen: the level of detail that its pixels ask for, and degrees off the normal.
 struct View {
-  const char* name;
-  double periods;  // of the tile, across the picture
+  double lambda = 0, degrees = 0;
 };
-constexpr View kViews[] = {{"near", 3}, {"far", 190.0 * 4 / 64}};
 
-glm::dvec3 towardsEye(glm::dvec2 uv) {
-  return glm::normalize(glm::dvec3(uv - 0.5, 0.4));
+// Pixels grow by the reciprocal cosine along x.
+glm::dvec2 onPlane(const View& view, int side, glm::dvec2 uv) {
+  const double periods = kPixels * std::exp2(view.lambda) / side;
+  return uv * periods * glm::dvec2(1 / std::cos(glm::radians(view.degrees)), 1);
+}
+// Through a lens of a hundred degrees if seen from straight above, of a distant eye if not.
+glm::dvec3 towardsEye(const View& view, glm::dvec2 uv) {
+  if (view.degrees == 0) return glm::normalize(glm::dvec3(uv - 0.5, 0.4));
+  const double spread = 0.1;
+  const double theta = glm::radians(view.degrees) + spread * (uv.x - 0.5);
+  return glm::normalize(glm::dvec3(std::sin(theta), spread * (uv.y - 0.5), std::cos(theta)));
 }
 
 constexpr int kUnits = LODEN_MAX_UNITS + BtfTable::kTextures;
@@ -58,7 +79,8 @@ constexpr int kUnits = LODEN_MAX_UNITS + BtfTable::kTextures;
 const char kCommon[] = R"(
 layout(location = 0) in vec2 uv;
 layout(location = 0) out vec4 color;
-uniform float periods;
+uniform vec2 periods;
+uniform float tilt, spread;  // of towardsEye()
 #ifdef LODEN_COUNT_FETCHES
 uniform float fetch_bytes[UNITS];  // that one instruction on the unit reads
 uniform bool count_bytes;
@@ -69,15 +91,31 @@ float counted = 0.0;
 #define SHOW(rgb) color = vec4(rgb, 0.0)
 #endif
 #include "loden_material.glsl"
+const vec3 kLights[4] = vec3[](vec3(0.5, 0.3, 0.8), vec3(-0.3, 0.5, 0.8), vec3(-0.5, -0.3, 0.6),
+                               vec3(0.3, -0.5, 1.0));
+vec3 towards_eye() {
+  float theta = tilt + spread * (uv.x - 0.5);
+  return normalize(tilt == 0.0 ? vec3(uv - 0.5, 0.4) : vec3(sin(theta), spread * (uv.y - 0.5), cos(theta)));
+}
+// The mean over the lights of what a renderer makes of each.
+#define SUM_LIGHTS(value)                         \
+  {                                               \
+    vec3 sum = vec3(0.0);                         \
+    for (int light = 0; light < LIGHTS; ++light) { \
+      vec3 wi = normalize(kLights[light]);        \
+      sum += value;                               \
+    }                                             \
+    SHOW(sum * (1.0 / float(LIGHTS)));            \
+  }
 )";
 
 const char kLodenMain[] = R"(
 void main() {
-  vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
+  vec3 wo = towards_eye();
   LodenMaterial m = loden_material_default();
   vec2 x = uv * periods;
   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo);
-  SHOW(loden_evaluate(m, h, wi, wo));
+  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
 })";
 
 // Linear steps down the view ray until it is below the height map, then bisections between the last two.
@@ -86,7 +124,7 @@ const char kMarchMain[] = R"(
 layout(binding = LODEN_MAX_UNITS) uniform sampler2D height_map;
 uniform float depth_range;
 void main() {
-  vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
+  vec3 wo = towards_eye();
   LodenMaterial m = loden_material_default();
   vec2 x = uv * periods, shift = -wo.xy / wo.z * depth_range;
   float lambda = max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0);
@@ -103,14 +141,16 @@ void main() {
     LODEN_COUNT(LODEN_MAX_UNITS, 1);
     if (textureLod(height_map, x + shift * middle, lambda).r <= middle) below = middle; else above = middle;
   }
-  SHOW(loden_evaluate(m, loden_hit_at_parameter(x, x + shift * below, lambda), wi, wo));
+  LodenHit h = loden_hit_at_parameter(x, x + shift * below, lambda);
+  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
 })";
 
 const char kTableMain[] = R"(
 void main() {
-  vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
+  vec3 wo = towards_eye();
   vec2 x = uv * periods;
-  SHOW(btf_table_value(x, max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0), wi, wo));
+  float lambda = max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0);
+  SUM_LIGHTS(btf_table_value(x, lambda, wi, wo));
 })";
 
 const char kConstantMain[] = R"(
@@ -160,19 +200,25 @@ struct Subject {
   std::unique_ptr<MaterialSystem> materials;
   MaterialId id;
   FetchBytes fetch_bytes;
-  GlProgram program, counting;
-  bool uses_material = true;  // its bytes count
-  uint64_t extra_bytes = 0;   // of textures outside the system
+  std::string main;               // of the fragment shader
+  std::vector<std::string> more;  // defines beside the variant's
+  bool uses_material = true;      // its bytes count
+  uint64_t extra_bytes = 0;       // of textures outside the system
+};
+
+// Without and with counted fetches.
+struct Programs {
+  GlProgram plain, counting;
 };
 
 class Scene {
  public:
-  Scene(const Device& device, const FullScreen& screen, const BakedOutput& baked)
-      : device_(device), screen_(screen), baked_(baked) {}
+  Scene(const Device& device, const FullScreen& screen, const BakedOutput& baked, int lights)
+      : device_(device), screen_(screen), baked_(baked), lights_(lights) {}
 
   void add(const std::string& renderer, const std::string& setting, const Material& material, Lookup lookup) {
     Subject subject = load(renderer, setting, material, lookup);
-    compile(subject, kLodenMain);
+    subject.main = kLodenMain;
     subjects_.push_back(std::move(subject));
   }
   // The surface maps of `material`, read where a march over its heights ends.
@@ -180,22 +226,22 @@ class Scene {
     Subject subject = load(renderer, std::to_string(steps) + " + " + std::to_string(bisections) + " steps",
                            material, Lookup::kNone);
     makeHeights(material.geometry);
-    compile(subject, kMarchMain,
-            {"STEPS " + std::to_string(steps), "BISECTIONS " + std::to_string(bisections)});
+    subject.main = kMarchMain;
+    subject.more = {"STEPS " + std::to_string(steps), "BISECTIONS " + std::to_string(bisections)};
     subject.fetch_bytes.setFree(2, 8);  // R16, trilinear
     subject.extra_bytes = height_bytes_;
     subjects_.push_back(std::move(subject));
   }
   void addConstant(const Material& material) {
     Subject subject = load("constant colour", "mean of the truth", material, Lookup::kNone);
-    compile(subject, kConstantMain);
+    subject.main = kConstantMain;
     subject.uses_material = false;
     subjects_.push_back(std::move(subject));
   }
   void addTable(const Material& material) {
     Subject subject = load("full BTF table", "81 x 81 images, 4-D interpolated", material, Lookup::kNone);
     table_.emplace(baked_);
-    compile(subject, std::string(kBtfTableLibrary) + kTableMain);
+    subject.main = std::string(kBtfTableLibrary) + kTableMain;
     subject.uses_material = false;
     subject.fetch_bytes.setFree(4, 8);  // RGB9E5, trilinear
     subject.extra_bytes = table_->bytes();
@@ -218,14 +264,19 @@ class Scene {
     subject.materials->finishLoading();
     return subject;
   }
-  void compile(Subject& subject, const std::string& main, const std::vector<std::string>& more = {}) {
-    for (GlProgram* program : {&subject.program, &subject.counting}) {
-      std::vector<std::string> defines = variantDefines(subject.materials->variant(subject.id));
-      if (program == &subject.counting) defines.push_back("LODEN_COUNT_FETCHES 1");
-      defines.insert(defines.end(), more.begin(), more.end());
-      defines.push_back("UNITS " + std::to_string(kUnits));
-      *program = screen_.program(kCommon + main, defines);
-    }
+  // The picture's lambda is the same everywhere, as it nearly is over one object of a scene; a renderer then
+  // draws with a program that leaves out what is not seen there.
+  Programs compile(const Subject& subject, const View& view) const {
+    const float lambda = float(view.lambda), slack = 0.01f;
+    std::vector<std::string> defines =
+        variantDefines(narrowed(subject.materials->variant(subject.id),
+                                subject.materials->material(subject.id), {lambda - slack, lambda + slack}));
+    defines.insert(defines.end(), subject.more.begin(), subject.more.end());
+    defines.push_back("UNITS " + std::to_string(kUnits));
+    defines.push_back("LIGHTS " + std::to_string(lights_));
+    GlProgram plain = screen_.program(kCommon + subject.main, defines);
+    defines.push_back("LODEN_COUNT_FETCHES 1");
+    return {std::move(plain), screen_.program(kCommon + subject.main, defines)};
   }
   void makeHeights(const GeometryImage& geometry) {
     if (heights_.name()) return;
@@ -250,7 +301,10 @@ class Scene {
       glBindTextureUnit(LODEN_MAX_UNITS, heights_.name());
     // Location -1 of a uniform that the program does not have is ignored.
     const auto location = [&](const char* name) { return glGetUniformLocation(program.name(), name); };
-    glProgramUniform1f(program.name(), location("periods"), float(view.periods));
+    const glm::vec2 periods(onPlane(view, baked_.manifest().size, glm::dvec2(1)));
+    glProgramUniform2fv(program.name(), location("periods"), 1, &periods.x);
+    glProgramUniform1f(program.name(), location("tilt"), float(glm::radians(view.degrees)));
+    glProgramUniform1f(program.name(), location("spread"), 0.1f);
     glProgramUniform1f(program.name(), location("depth_range"), range_);
     glProgramUniform3fv(program.name(), location("constant_color"), 1, &mean.x);
     glProgramUniform1fv(program.name(), location("fetch_bytes"), kUnits, subject.fetch_bytes.data());
@@ -262,6 +316,7 @@ class Scene {
   const Device& device_;
   const FullScreen& screen_;
   const BakedOutput& baked_;
+  int lights_;
   std::vector<Subject> subjects_;
   std::optional<BtfTable> table_;
   GlTexture heights_;
@@ -277,19 +332,46 @@ std::vector<glm::vec3> Scene::truth(const std::string& tile, const View& view) c
   importer::parallelFor(size_t(kPixels), 0, [&](size_t j) {
     const importer::FlushDenormals flush;
     for (int i = 0; i < kPixels; ++i) {
-      const glm::dvec3 wo = towardsEye((glm::dvec2(i, double(j)) + 0.5) / double(kPixels));
+      const glm::dvec3 wo = towardsEye(view, (glm::dvec2(i, double(j)) + 0.5) / double(kPixels));
       glm::dvec3 sum(0);
       for (int s = 0; s < kTruthSamples * kTruthSamples; ++s) {
         const glm::dvec2 inside =
             (glm::dvec2(s % kTruthSamples, s / kTruthSamples) + 0.4871) / double(kTruthSamples);
-        const auto hit =
-            tracer.intersectView((glm::dvec2(i, double(j)) + inside) / double(kPixels) * view.periods, wo);
-        if (hit) sum += importer::shadeHit(tracer, *hit, kLight, wo, 0, 0);
+        const auto hit = tracer.intersectView(
+            onPlane(view, baked_.manifest().size, (glm::dvec2(i, double(j)) + inside) / double(kPixels)), wo);
+        for (int light = 0; hit && light < lights_; ++light)
+          sum += importer::shadeHit(tracer, *hit, kLights[light], wo, 0, 0);
       }
-      pixels[j * kPixels + size_t(i)] = glm::vec3(sum / double(kTruthSamples * kTruthSamples));
+      pixels[j * kPixels + size_t(i)] = glm::vec3(sum / double(kTruthSamples * kTruthSamples * lights_));
     }
   });
   return pixels;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+struct Fetches {
+  double mean = 0;     // per pixel
+  double slowest = 0;  // of the pixel that issues most in each block, mean over the blocks
+};
+Fetches countFetches(const std::vector<glm::vec4>& pixels) {
+  static_assert(kPixels % kBlockWidth == 0 && kPixels % kBlockHeight == 0);
+  constexpr int kAcross = kPixels / kBlockWidth, kBlocks = kAcross * (kPixels / kBlockHeight);
+  std::vector<float> most(kBlocks);
+  Fetches fetches;
+  for (int j = 0; j < kPixels; ++j)
+    for (int i = 0; i < kPixels; ++i) {
+      const float count = pixels[size_t(j) * kPixels + size_t(i)].w;
+      float& block = most[size_t(j / kBlockHeight * kAcross + i / kBlockWidth)];
+      block = std::max(block, count);
+      fetches.mean += double(count) / double(pixels.size());
+    }
+  for (const float count : most) fetches.slowest += double(count) / kBlocks;
+  return fetches;
 }
 
 void Scene::measure(const std::string& tile, const View& view, const std::string& base,
@@ -297,9 +379,11 @@ void Scene::measure(const std::string& tile, const View& view, const std::string
   const std::vector<glm::vec3> expected = truth(tile, view);
   glm::dvec3 mean(0);
   for (const glm::vec3& pixel : expected) mean += glm::dvec3(pixel) / double(expected.size());
+  std::vector<Programs> programs;
+  for (const Subject& subject : subjects_) programs.push_back(compile(subject, view));
   std::vector<std::function<void()>> tasks;
-  for (const Subject& subject : subjects_)
-    tasks.push_back([&, mean] { draw(subject, subject.program, view, glm::vec3(mean)); });
+  for (size_t i = 0; i < subjects_.size(); ++i)
+    tasks.push_back([&, mean, i] { draw(subjects_[i], programs[i].plain, view, glm::vec3(mean)); });
   const std::vector<double> ms = interleavedMedians(tasks, kRounds);
   double base_ms = 0;
   for (size_t i = 0; i < subjects_.size(); ++i)
@@ -307,20 +391,23 @@ void Scene::measure(const std::string& tile, const View& view, const std::string
   for (size_t i = 0; i < subjects_.size(); ++i) {
     const Subject& subject = subjects_[i];
     std::vector<glm::vec3> got;
-    double fetches = 0, bytes = 0;
-    draw(subject, subject.counting, view, glm::vec3(mean), true);
+    double bytes = 0;
+    draw(subject, programs[i].counting, view, glm::vec3(mean), true);
     for (const glm::vec4& pixel : screen_.read()) bytes += double(pixel.w);
-    draw(subject, subject.counting, view, glm::vec3(mean));
-    for (const glm::vec4& pixel : screen_.read()) got.emplace_back(pixel), fetches += double(pixel.w);
+    draw(subject, programs[i].counting, view, glm::vec3(mean));
+    const std::vector<glm::vec4> counted = screen_.read();
+    for (const glm::vec4& pixel : counted) got.emplace_back(pixel);
+    const Fetches fetches = countFetches(counted);
     importer::ErrorSums error;
     error.add(expected, got);
     importer::StudyRow row;
-    row.set("scene", tile + " " + view.name)
-        .set("renderer", subject.renderer)
-        .set("setting", subject.setting);
+    row.set("scene", tile + " at " + number(view.lambda) + ", " + number(view.degrees) + " degrees");
+    row.set("lambda", view.lambda).set("degrees", view.degrees);
+    row.set("renderer", subject.renderer).set("setting", subject.setting);
     row.set("ms_median", ms[i])
         .set("ratio_to_normal_map", ms[i] / base_ms)
-        .set("fetches_per_pixel", fetches / double(expected.size()));
+        .set("fetches_per_pixel", fetches.mean)
+        .set("fetches_slowest", fetches.slowest);
     row.set("bytes_per_pixel", bytes / double(expected.size()));
     row.set("gpu_bytes", (subject.uses_material ? subject.materials->stats().resident_bytes : uint64_t{0}) +
                              subject.extra_bytes);
@@ -331,8 +418,38 @@ void Scene::measure(const std::string& tile, const View& view, const std::string
   }
 }
 
-Material cooked(const BakedOutput& baked, Mode mode, importer::Preset preset) {
+struct Arguments {
+  importer::StudyOptions study;
+  std::vector<double> lambdas, degrees{0};
+  std::vector<std::string> only;  // parts of renderers' names; empty: all
+  int lights = 1;
+  std::filesystem::path assets;
+  std::string json, csv, command = "bench_time_error";
+  bool print_json = false;
+
+  bool wants(std::string_view renderer) const {
+    return only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& part) {
+             return renderer.find(part) != std::string_view::npos;
+           });
+  }
+};
+
+// What `make` cooks, or what an earlier run with the same folder cooked.
+template <class Make>
+Material kept(const Arguments& arguments, const std::string& name, Make make) {
+  if (arguments.assets.empty()) return make();
+  const std::filesystem::path path = arguments.assets / (name + ".loden");
+  if (std::filesystem::exists(path)) return require(readAsset(path));
+  Material material = make();
+  std::filesystem::create_directories(arguments.assets);
+  if (const Status status = writeAsset(material, path); !status) fail(status.issue());
+  return material;
+}
+
+Material cooked(const BakedOutput& baked, Mode mode, importer::Preset preset,
+                std::optional<Visibility> visibility = {}) {
   importer::CookOptions options;
+  if (visibility) options.visibility = *visibility;
   options.mode = mode;
   options.preset = preset;
   options.quiet = true;
@@ -347,54 +464,98 @@ Material smallestFused(const BakedOutput& baked) {
       .material;
 }
 
-void measureTile(const Device& device, const FullScreen& screen, const importer::StudyOptions& options,
+void measureTile(const Device& device, const FullScreen& screen, const Arguments& arguments,
                  const std::string& tile, importer::StudyRows& rows) {
-  const BakedOutput baked = require(importer::studyBake(options, tile));
+  const BakedOutput baked = require(importer::studyBake(arguments.study, tile));
   using importer::Preset;
-  const Material surface = cooked(baked, Mode::kSurface, Preset::kGame);
+  const auto asset = [&](const char* name, auto make) { return kept(arguments, tile + "-" + name, make); };
+  const Material surface = asset("surface", [&] { return cooked(baked, Mode::kSurface, Preset::kGame); });
   Material maps = surface;
   maps.surface->tail_mip = 0;  // other renderers hold no leading part beside the whole
+  maps.surface->visibility = Visibility::kNone;
   Material without_geometry = maps;
   without_geometry.geometry = {};
-  Material paper = cooked(baked, Mode::kSurface, Preset::kSeed);
-  paper.geometry = {};
-  paper.surface->tail_mip = 0;
-  Scene scene(device, screen, baked);
-  scene.addConstant(without_geometry);
-  scene.add("normal map", "diffuse, normal, specular at x", without_geometry, Lookup::kNone);
+  Scene scene(device, screen, baked, arguments.lights);
+  const std::string base = "normal map";
+  if (arguments.wants("constant colour")) scene.addConstant(without_geometry);
+  scene.add(base, "diffuse, normal, specular at x", without_geometry, Lookup::kNone);
   if (baked.manifest().identity_parameterization) {
-    scene.addMarch("parallax occlusion mapping", 16, 5, maps);
-    scene.addMarch("relief mapping", 32, 6, maps);
+    if (arguments.wants("parallax occlusion mapping")) {
+      scene.addMarch("parallax occlusion mapping", 8, 4, maps);
+      scene.addMarch("parallax occlusion mapping", 16, 5, maps);
+    }
+    if (arguments.wants("relief mapping")) scene.addMarch("relief mapping", 32, 6, maps);
   }
-  scene.add("Flat-BTF, as published", "latlong 16x16, blended", paper, Lookup::kPaper);
-  if (const int size = baked.manifest().size; (size & (size - 1)) == 0)
+  if (arguments.wants("Flat-BTF, as published")) {
+    Material paper = asset("paper", [&] { return cooked(baked, Mode::kSurface, Preset::kSeed); });
+    paper.geometry = {};
+    paper.surface->tail_mip = 0;
+    scene.add("Flat-BTF, as published", "latlong 16x16, blended", paper, Lookup::kPaper);
+  }
+  const int size = baked.manifest().size;
+  if (arguments.wants("full BTF table") && (size & (size - 1)) == 0)
     scene.addTable(without_geometry);  // its mips are 2 x 2 means
-  scene.add("LOD-BTF, as published", "8,2,2 components, 32 bit", cooked(baked, Mode::kLod, Preset::kSeed),
-            Lookup::kNone);
-  scene.add("Loden, lod", "16 components, 8 bit", cooked(baked, Mode::kLod, Preset::kGame), Lookup::kNone);
-  scene.add("Loden, surface", "fast lookup", surface, Lookup::kFast);
-  scene.add("Loden, surface", "default lookup", surface, Lookup::kDefault);
-  const Material smallest = smallestFused(baked), fused = cooked(baked, Mode::kFused, Preset::kGame);
-  scene.add("Loden, fused", "smallest, fast lookup", smallest, Lookup::kFast);
-  scene.add("Loden, fused", "fast lookup", fused, Lookup::kFast);
-  scene.add("Loden, fused", "default lookup", fused, Lookup::kDefault);
-  for (const View& view : kViews) scene.measure(tile, view, "normal map", rows);
+  if (arguments.wants("LOD-BTF, as published"))
+    scene.add("LOD-BTF, as published", "8,2,2 components, 32 bit",
+              asset("published", [&] { return cooked(baked, Mode::kLod, Preset::kSeed); }), Lookup::kNone);
+  if (arguments.wants("Loden, lod"))
+    scene.add("Loden, lod", "16 components, 8 bit",
+              asset("lod", [&] { return cooked(baked, Mode::kLod, Preset::kGame); }), Lookup::kNone);
+  if (arguments.wants("Loden, surface")) {
+    scene.add("Loden, surface", "fast lookup", maps, Lookup::kFast);
+    scene.add("Loden, surface", "default lookup", maps, Lookup::kDefault);
+  }
+  if (arguments.wants("Loden, fused")) {
+    const Material fused = asset("fused", [&] { return cooked(baked, Mode::kFused, Preset::kGame); });
+    scene.add("Loden, fused", "fast lookup", fused, Lookup::kFast);
+    scene.add("Loden, fused", "default lookup", fused, Lookup::kDefault);
+    scene.add("Loden, fused", "fast lookup, shadows by map",
+              asset("mapped", [&] { return cooked(baked, Mode::kFused, Preset::kGame, Visibility::kMap); }),
+              Lookup::kFast);
+  }
+  if (arguments.wants("Loden, smallest"))
+    scene.add("Loden, smallest", "bands alone, fast lookup",
+              asset("smallest", [&] { return smallestFused(baked); }), Lookup::kFast);
+  for (const double degrees : arguments.degrees)
+    for (const double lambda : arguments.lambdas) scene.measure(tile, {lambda, degrees}, base, rows);
 }
 
-struct Arguments {
-  importer::StudyOptions study;
-  std::string json, csv, command = "bench_time_error";
-  bool print_json = false;
-};
-
 constexpr const char* kUsage =
-    "bench_time_error [--tile NAME,...] [--size N] [--bakes FOLDER] [--json FILE] [--csv FILE]\n"
-    "       [--format text|json] [--threads N] [--command TEXT] [-q]; TEXT stands in the JSON as what was "
+    "bench_time_error [--tile NAME,...] [--lambda L,...] [--degrees D,...] [--lights 1..4] [--only "
+    "TEXT,...]\n"
+    "       [--size N] [--bakes FOLDER] [--assets FOLDER] [--json FILE] [--csv FILE] [--format text|json]\n"
+    "       [--threads N] [--command TEXT] [-q]\n"
+    "--only takes renderers whose name contains one of the texts, beside the normal map; --assets keeps "
+    "what\n"
+    "is cooked there, and takes what is there already; TEXT of --command stands in the JSON as what was "
     "typed";
 
 [[noreturn]] void usage(const std::string& wrong) {
   std::fprintf(stderr, "bench_time_error: %s\nusage: %s\n", wrong.c_str(), kUsage);
   std::exit(1);
+}
+
+std::vector<std::string> splitAtCommas(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ',')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+std::vector<double> numbers(const std::string& option, const std::string& text, double least, double most) {
+  std::vector<double> values;
+  for (const std::string& part : splitAtCommas(text)) {
+    char* end = nullptr;
+    values.push_back(std::strtod(part.c_str(), &end));
+    if (part.empty() || *end != '\0' || !(values.back() >= least && values.back() <= most))
+      usage(option + ": '" + part + "' is no number of " + std::to_string(least) + " to " +
+            std::to_string(most));
+  }
+  return values;
 }
 
 // A whole number in [least, most].
@@ -421,11 +582,19 @@ Arguments parseArguments(int argc, char** argv) {
     if (++i == argc) usage(option + " is unknown, or needs a value");
     const std::string value = argv[i];
     all.command += " " + value;
-    if (option == "--tile") {
-      for (size_t at = 0; at <= value.size();
-           at = value.find(',', at) == std::string::npos ? value.size() + 1 : value.find(',', at) + 1)
-        all.study.tiles.push_back(value.substr(at, value.find(',', at) - at));
-    } else if (option == "--size")
+    if (option == "--tile")
+      all.study.tiles = splitAtCommas(value);
+    else if (option == "--lambda")
+      all.lambdas = numbers(option, value, -8, 8);
+    else if (option == "--degrees")
+      all.degrees = numbers(option, value, 0, 80);
+    else if (option == "--lights")
+      all.lights = wholeNumber(option, value, 1, kMostLights);
+    else if (option == "--only")
+      all.only = splitAtCommas(value);
+    else if (option == "--assets")
+      all.assets = value;
+    else if (option == "--size")
       all.study.size = wholeNumber(option, value, 4, 256);
     else if (option == "--threads")
       all.study.threads = wholeNumber(option, value, 0, 1024);
@@ -442,7 +611,8 @@ Arguments parseArguments(int argc, char** argv) {
     else
       usage(option + " " + value + " is unknown");
   }
-  if (all.study.tiles.empty()) all.study.tiles = {"button", "pulli"};
+  if (all.study.tiles.empty()) all.study.tiles = {"button", "isba", "pulli", "sponge"};
+  if (all.lambdas.empty()) all.lambdas = {0, 2, 4};
   if (!command.empty()) all.command = command;
   return all;
 }
@@ -463,8 +633,7 @@ int main(int argc, char** argv) {
   const std::unique_ptr<Device> device = makeDevice();
   const FullScreen screen({kPixels, kPixels});
   importer::StudyRows rows;
-  for (const std::string& tile : arguments.study.tiles)
-    measureTile(*device, screen, arguments.study, tile, rows);
+  for (const std::string& tile : arguments.study.tiles) measureTile(*device, screen, arguments, tile, rows);
   const std::string json =
       importer::studyJson({"time-error", "run time against error", nullptr}, arguments.command, rows);
   write(arguments.json, json);
@@ -472,8 +641,8 @@ int main(int argc, char** argv) {
   if (arguments.print_json)
     std::printf("%s", json.c_str());
   else
-    std::printf("# bench_time_error: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n%s",
-                kPixels, kPixels, kRounds, device->capabilities().renderer.c_str(),
+    std::printf("# bench_time_error: %d x %d pixels, %d light(s), median of %d interleaved frames, %s\n%s",
+                kPixels, kPixels, arguments.lights, kRounds, device->capabilities().renderer.c_str(),
                 importer::studyTable(rows).c_str());
   return std::fflush(stdout) == 0 ? 0 : 2;
 }

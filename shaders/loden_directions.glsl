@@ -7,36 +7,23 @@ const float LODEN_VDIM_COS = 0.0871557427476582;
 const float LODEN_VDIM_SIN = 0.996194698091746;
 const float LODEN_VDIM_RIM = 3.13130133147093;  // atanh(sin 85 degrees)
 
-// Square [0,1]^2 from the unit disk (Shirley and Chiu 1997).
-vec2 loden_square_from_disk(vec2 disk) {
-  float radius = sqrt(disk.x * disk.x + disk.y * disk.y);
-  if (radius == 0.0) return vec2(0.5);
-  const float quarter = LODEN_PI / 4.0;
-  float phi = atan(disk.y, disk.x);
-  phi = phi < -quarter ? phi + 2.0 * LODEN_PI : phi;
-  float a, b;
-  if (phi < quarter) {
-    a = radius;
-    b = phi * a / quarter;
-  } else if (phi < 3.0 * quarter) {
-    b = radius;
-    a = -(phi - 2.0 * quarter) * b / quarter;
-  } else if (phi < 5.0 * quarter) {
-    a = -radius;
-    b = (phi - 4.0 * quarter) * a / quarter;
-  } else {
-    b = -radius;
-    a = -(phi - 6.0 * quarter) * b / quarter;
-  }
-  return (vec2(a, b) + 1.0) / 2.0;
+// atan(t) 4 / pi for t in [0, 1], to 1e-5 (after Hastings 1955).
+float loden_octant(float t) {
+  float t2 = t * t;
+  return min(t * (1.27307 + t2 * (-0.42055 + t2 * (0.22936 + t2 * (-0.10839 + t2 * 0.02653)))), 1.0);
 }
 
+// Concentric map of directions to the square [0,1]^2 (Shirley and Chiu 1997). The radius is
+// atanh(sine) / atanh(sin 85 degrees).
 vec2 loden_vdim_square_from_view(vec3 wo) {
   float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
-  if (sine <= 1e-6) return vec2(0.5);
   float clamped = min(sine, LODEN_VDIM_SIN);
-  float radius = 0.5 * log((1.0 + clamped) / (1.0 - clamped)) / LODEN_VDIM_RIM;
-  return loden_square_from_disk(wo.xy * (min(radius, 1.0) / sine));
+  float radius = min(0.5 * log((1.0 + clamped) / (1.0 - clamped)) / LODEN_VDIM_RIM, 1.0);
+  vec2 a = abs(wo.xy);
+  float longer = max(a.x, a.y);
+  float other = radius * loden_octant(min(a.x, a.y) / max(longer, 1e-6));
+  vec2 map = a.x >= a.y ? vec2(radius, other) : vec2(other, radius);
+  return 0.5 + 0.5 * mix(map, -map, lessThan(wo.xy, vec2(0.0)));
 }
 
 // theta_max = (radians, cosine, sine, 1 / radians): the direction, at most that far from the normal.

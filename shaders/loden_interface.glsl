@@ -34,15 +34,21 @@ uniform sampler3D loden_environment[LODEN_BANDS];  // clamp, linear
 LODEN_BINDING(LODEN_UNIT_NEAREST_LIGHT) uniform usampler2D loden_nearest_light;
 LODEN_BINDING(LODEN_UNIT_NEAREST_VIEW) uniform usampler2D loden_nearest_view;
 #endif
-LODEN_BINDING(LODEN_UNIT_GEOMETRY)
-uniform usampler2D loden_geometry;  // R32UI, material/model/packed_geometry.h; repeat
+// material/model/packed_geometry.h
+#ifdef LODEN_HEIGHT_FIELD
+LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform sampler2D loden_height;  // R16: 1 + z / range; repeat, linear
+#else
+LODEN_BINDING(LODEN_UNIT_GEOMETRY) uniform usampler2D loden_geometry;  // R32UI; repeat
+#endif
 LODEN_BINDING(LODEN_UNIT_VDIM_DEPTH) uniform sampler2DArray loden_vdim_depth;  // repeat
 LODEN_BINDING(LODEN_UNIT_VDIM_VOLUME) uniform sampler3D loden_vdim_volume;     // nearest
 #ifdef LODEN_LOOKUP_PAPER
 LODEN_BINDING(LODEN_UNIT_PAPER_REFERENCE) uniform sampler2DArray loden_paper_reference;  // nearest
 LODEN_BINDING(LODEN_UNIT_PAPER_PACKED) uniform sampler2DArray loden_paper_packed;        // repeat, linear
 #endif
-#ifdef LODEN_BANDS
+#if defined(LODEN_BOUND_BANDS)
+#define LODEN_BANDS_OR_NONE LODEN_BOUND_BANDS
+#elif defined(LODEN_BANDS)
 #define LODEN_BANDS_OR_NONE LODEN_BANDS
 #else
 #define LODEN_BANDS_OR_NONE 0

@@ -3,10 +3,14 @@
 // holds is said in loden_shared.h; runtime/stream/material_data.cpp fills it. Defines of a variant
 // (runtime/stream/shader_variants.h lists those in use):
 //   LODEN_NEAR, LODEN_BANDS n (1..LODEN_MAX_BANDS), or both    what the material is
+//   LODEN_BOUND_BANDS n                                        bands whose textures are bound, of a near term
+//                                                              that is drawn without them
 //   LODEN_VISIBILITY_FAST, _DEFAULT or none of them            cast shadows of the near term, by that lookup
 //   LODEN_VISIBILITY_MAP n (1..LODEN_MAX_SHADOW_QUADS)         or by a shadow map of n quads
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
+//   LODEN_HEIGHT_FIELD                                         in a height field, whose points have P.xy = p
+//   LODEN_FOLLOW_SURFACE                                       view rays and light rays bend with the surface
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
 //   LODEN_NO_BRANCH, LODEN_ALWAYS_LOOKUP                       evaluates closed windows, finds p where no
 //   band reads
@@ -14,7 +18,7 @@
 //
 // Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
 //   LodenMaterial m = loden_material_default();
-//   loden_follow_surface(m, ...);                                          where the surface is curved
+//   loden_follow_surface(m, ...);             where the surface is curved; needs LODEN_FOLLOW_SURFACE
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
 //   radiance += irradiance * loden_material.value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
@@ -44,6 +48,7 @@ int loden_footprint_taps(vec2 dx, vec2 dy, out vec2 step_) {
   return max(xx, yy) > 2.25 * min(xx, yy) ? 2 : 1;
 }
 
+#ifdef LODEN_FOLLOW_SURFACE
 // Tells m how the reference surface bends and how x lies on it, from screen-space derivatives of x, and of
 // position and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature
 // for this; here the view ray bends instead, in the lookup.
@@ -62,6 +67,7 @@ void loden_follow_surface(inout LodenMaterial m, vec2 dx, vec2 dy, vec3 dp_dx, v
   m.x_from_tangent = mat2(dx, dy) * screen_from_tangent;
   m.tile_length = 1.0 / periods;
 }
+#endif
 
 // LBTF 3.4, step 2; distance in units at which one texel covers one pixel.
 float loden_lambda_from_distance(float distance_) {
@@ -71,8 +77,9 @@ float loden_lambda_from_distance(float distance_) {
 // Share of the parallax to apply: 1 down to half a texel of the level that is shown, then fading to 0, so
 // that the lookup can be skipped where nothing of it is seen.
 float loden_parallax_fade(float lambda, vec3 wo) {
-  // Only where P.xy == p is p = x without parallax.
-  if ((loden_material.bits & LODEN_IDENTITY) == 0) return 1.0;
+#ifndef LODEN_HEIGHT_FIELD
+  return 1.0;  // only where P.xy == p is p = x without parallax
+#endif
   float slope = length(loden_material.periods_per_length * wo.xy) / max(wo.z, LODEN_VDIM_COS);
 #ifdef LODEN_VISIBILITY
   // Shadows show from above, too; the light is taken to come at 45 degrees at least.
@@ -151,7 +158,9 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
     LodenVdimHit found = loden_vdim_lookup(m, x, wo);
     hit.p = mix(x, found.p, fade);
     hit.depth = found.height * fade * min(2.0 * share, 1.0);
+#ifdef LODEN_FOLLOW_SURFACE
     hit.tilt = m.curvature * (inverse(m.x_from_tangent) * found.offset) * (fade * share);
+#endif
     hit.missed = found.missed && fade * share >= 0.5;
     hit.position = vec3(x + found.offset * fade, found.z * fade);
     hit.relief = !found.missed;

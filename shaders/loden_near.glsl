@@ -112,33 +112,53 @@ float loden_mapped_visibility(LodenNear near, vec3 wi) {
 
 #if defined(LODEN_VISIBILITY_FAST) || defined(LODEN_VISIBILITY_DEFAULT)
 #define LODEN_VISIBILITY
+#ifdef LODEN_VISIBILITY_FAST
+#define LODEN_LIGHT_EFFORT LODEN_EFFORT_FAST
+#else
+#define LODEN_LIGHT_EFFORT LODEN_EFFORT_DEFAULT
+#endif
+
+#ifdef LODEN_HEIGHT_FIELD
+// Over a flat reference surface: whether the height field leaves the ray from P free. What is near to P is
+// its own surface.
+bool loden_height_field_lets_by(LodenMaterial m, vec3 position, vec2 exit_, vec3 wi) {
+  LodenViewRay ray = loden_view_ray(m, exit_, wi);
+  float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
+  float lowest = position.z + max(LODEN_BIAS, own / max(sqrt(dot(ray.slope, ray.slope)), 1e-6));
+  return lowest >= 0.0 || !loden_march(ray, lowest, LODEN_LIGHT_EFFORT).found;
+}
+#endif
+
 // V(P, wi): false where the lookup along wi meets the tile before P.
 bool loden_light_reaches(LodenHit hit, vec3 wi) {
   // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
   wi = loden_clamp_theta(wi, vec4(0.0, LODEN_VDIM_COS, LODEN_VDIM_SIN, 0.0));
+  LodenMaterial m = loden_material_default();
+  m.x_from_tangent = hit.x_from_tangent;
   vec2 slope = loden_bounded_slope(wi);
+  float height = hit.position.z, rise = -height, bias = LODEN_BIAS;
+  vec3 leaving = wi;
+#ifdef LODEN_FOLLOW_SURFACE
+  m.curvature = hit.curvature;
   vec2 turn = hit.curvature * slope;
   float bend = dot(slope, turn);
   // How far the ray rises until it leaves through the reference surface.
-  float rise = -2.0 * hit.position.z / (1.0 + sqrt(max(1.0 - 2.0 * bend * hit.position.z, 0.0)));
-  vec2 exit_ = hit.position.xy + hit.x_from_tangent * slope * rise;
+  rise = -2.0 * hit.position.z / (1.0 + sqrt(max(1.0 - 2.0 * bend * hit.position.z, 0.0)));
   vec2 tilt = turn * rise;
-  vec3 leaving = vec3(wi.xy - tilt * wi.z, wi.z + dot(tilt, wi.xy));
+  leaving = vec3(wi.xy - tilt * wi.z, wi.z + dot(tilt, wi.xy));
   leaving /= sqrt(dot(leaving, leaving));
   if (leaving.z <= 0.0) return true;  // along a convex surface, past it
-  LodenMaterial m = loden_material_default();
-  m.curvature = hit.curvature;
-  m.x_from_tangent = hit.x_from_tangent;
-#ifdef LODEN_VISIBILITY_FAST
-  LodenVdimHit first = loden_atlas_lookup(m, exit_, leaving, LODEN_FAST_LAYERS, LODEN_FAST_CANDIDATES);
-#else
-  LodenVdimHit first = loden_vdim_lookup(m, exit_, leaving);
-#endif
   // P as a height of that ray.
   vec2 out_ = loden_bounded_slope(leaving);
   float out_bend = dot(out_, hit.curvature * out_);
-  float height = 2.0 * hit.position.z / (1.0 + sqrt(max(1.0 + 2.0 * out_bend * hit.position.z, 0.0)));
-  float bias = hit.curvature != mat2(0.0) ? LODEN_BENT_BIAS : LODEN_BIAS;
+  height = 2.0 * hit.position.z / (1.0 + sqrt(max(1.0 + 2.0 * out_bend * hit.position.z, 0.0)));
+  if (hit.curvature != mat2(0.0)) bias = LODEN_BENT_BIAS;
+#endif
+  vec2 exit_ = hit.position.xy + hit.x_from_tangent * slope * rise;
+#ifdef LODEN_HEIGHT_FIELD
+  if (bias == LODEN_BIAS) return loden_height_field_lets_by(m, hit.position, exit_, leaving);
+#endif
+  LodenVdimHit first = loden_atlas_lookup(m, exit_, leaving, LODEN_LIGHT_EFFORT);
   float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
   vec2 beside = first.p - hit.p;
   beside -= floor(beside + 0.5);

@@ -47,7 +47,6 @@
 // Bits of LodenMaterialData.bits
 #define LODEN_MEAN_RATIO 1       // the mean's chroma is a multiple of its Y
 #define LODEN_COSINE_INCLUDED 2  // values contain cos(theta_i)
-#define LODEN_IDENTITY 4         // P.xy == p: no closest-point volume
 #define LODEN_CLAMP_LAMBDA 8     // mode lod: beyond the last level the last level stays (LBTF 3.4, step 2)
 #define LODEN_GGX 16             // the near term's lobe is GGX, else Phong
 

@@ -1,27 +1,38 @@
 // View-dependent indirection: p = VDIM(x, wo). Mirrors material/eval/vdim_lookup.cpp name for name.
-// Default: 3 gathers for 12 depths, then per candidate 1 fetch (none on identity parameterizations) and a
-// gather per patch visited, 1 to 5. Fast: 1 gather for 4 depths, fewer candidates. A ray that bends much does
-// so for several anchors.
+// Height fields over flat surfaces: one gather for 4 depths, between whose bounds a march samples the
+// heights, and one gather for the patch at its end. Elsewhere 1 or 3 gathers for 4 or 12 depths, then per
+// visit of a patch one gather, and per candidate depth one fetch. A ray that bends much does so for several
+// anchors.
 
-const float LODEN_REACH = 3.0;          // texels
-const float LODEN_INSIDE = 0.2;         // texels
-const float LODEN_RESIDUAL = 0.2;       // texels
-const float LODEN_BENT_RESIDUAL = 0.1;  // texels
-const int LODEN_PATCHES = 5;
+// What a lookup spends. One of these, constant where it is called.
+struct LodenEffort {
+  int layers;     // directions of the atlas whose depths are read: 1 or 3
+  int visits;     // of patches, at most
+  float texels;   // of the march: steps along the plane, in texels of the height field
+  float samples;  // of the march, at most
+};
+const LodenEffort LODEN_EFFORT_FAST = LodenEffort(1, 12, 2.0, 16.0);
+const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 24, 1.0, 32.0);
+#ifdef LODEN_LOOKUP_FAST
+#define LODEN_EFFORT LODEN_EFFORT_FAST
+#else
+#define LODEN_EFFORT LODEN_EFFORT_DEFAULT
+#endif
+
+const float LODEN_REACH = 3.0;               // texels that one visit may move by
+const float LODEN_INSIDE = 0.5;              // texels beyond a patch at which its extension still counts
+const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
+const int LODEN_EACH = 2;                    // visits for each candidate depth
+const int LODEN_BENT_EACH = 5;               // the same of a bent ray, whose direction changes on the way
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
+const float LODEN_MARGIN = 15.5 / 255.0;     // of the depth range
+const float LODEN_TOUCHING = 1e-5;           // of the depth range: rounding, where a sample is on the surface
 const float LODEN_NONE = -1e8;               // below every depth
 const int LODEN_ANCHORS = 6;                 // along a bent ray
 const float LODEN_STRAIGHT = 0.2;            // change of the descent that needs no more than one
 const float LODEN_LEAST_DESCENT = 0.02;
 const float LODEN_SHALLOW = 0.5;  // of the depth range
-
-const int LODEN_FAST_LAYERS = 1, LODEN_FAST_CANDIDATES = 5;
-#ifdef LODEN_LOOKUP_FAST
-const int LODEN_LAYERS = LODEN_FAST_LAYERS, LODEN_CANDIDATES = LODEN_FAST_CANDIDATES;
-#else
-const int LODEN_LAYERS = 3, LODEN_CANDIDATES = 16;
-#endif
 
 struct LodenVdimHit {
   vec2 p;        // unwrapped
@@ -41,7 +52,7 @@ struct LodenViewRay {
   vec2 slope;  // wo.xy / wo.z, tile periods per tile length
   vec2 turn;   // K slope, likewise
   float bend;  // slope^T K slope
-  bool bent;   // false: h is z. Constant in programs for planes, which leave out all that follows it
+  bool bent;  // false: h is z. Constant without LODEN_FOLLOW_SURFACE, so that all that follows it is left out
 };
 
 LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
@@ -49,9 +60,13 @@ LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
   float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
   float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
   vec2 slope = wo.xy * (scale / cosine);
+#ifdef LODEN_FOLLOW_SURFACE
   vec2 turn = m.curvature * slope;
   return LodenViewRay(x - floor(x), m.x_from_tangent * slope, m.x_from_tangent * turn, dot(slope, turn),
                       m.curvature != mat2(0.0));
+#else
+  return LodenViewRay(x - floor(x), m.x_from_tangent * slope, vec2(0.0), 0.0, false);
+#endif
 }
 
 float loden_ray_z(LodenViewRay ray, float h) {
@@ -173,13 +188,16 @@ vec4 loden_gather_depths(int layer, vec2 x) {
 
 // Parameter of the surface near the point x + slope z.
 vec2 loden_parameter_near(vec2 point, float z) {
-  if ((loden_material.bits & LODEN_IDENTITY) != 0) return point;
+#ifdef LODEN_HEIGHT_FIELD
+  return point;
+#else
   vec3 size = vec3(textureSize(loden_vdim_volume, 0));
   vec2 wrapped = point - floor(point);
   float slice = clamp(z / -loden_material.geometry_range.z * size.z, 0.0, size.z - 0.5);
   LODEN_COUNT(LODEN_UNIT_VDIM_VOLUME, 1);
   vec2 d = texelFetch(loden_vdim_volume, ivec3(min(vec3(wrapped * size.xy, slice), size - 1.0)), 0).xy;
   return point + d * 0.5;
+#endif
 }
 
 struct LodenPatch {
@@ -192,17 +210,18 @@ LodenPatch loden_fetch_patch(vec2 base) {
   vec3 range = loden_material.geometry_range;
   float n = loden_material.geometry_side;
   LODEN_COUNT(LODEN_UNIT_GEOMETRY, 1);
+  vec2 lower = (base + 0.5) / n, upper = (base + 1.5) / n;
+#ifdef LODEN_HEIGHT_FIELD
+  vec4 height = (textureGather(loden_height, (base + 1.0) / n, 0) - 1.0) * range.z;
+  return LodenPatch(vec3(lower, height.w), vec3(upper.x, lower.y, height.z), vec3(lower.x, upper.y, height.x),
+                    vec3(upper, height.y), true);
+#else
   uvec4 code = textureGather(loden_geometry, (base + 1.0) / n, 0);
-  bool identity = (loden_material.bits & LODEN_IDENTITY) != 0;
   vec4 x = (vec4(code & 1023u) - 511.0) * (1.0 / 1022.0) * range.x;
   vec4 y = (vec4(code >> 10u & 1023u) - 511.0) * (1.0 / 1022.0) * range.y;
   x -= floor(x - x.w + 0.5);  // all corners in the period of the first
   y -= floor(y - y.w + 0.5);
-  vec4 z = identity ? vec4(code & 0xffffu) * (1.0 / 65535.0) : vec4(code >> 20u & 2047u) * (1.0 / 2047.0);
-  x = identity ? vec4(0.0) : x;
-  y = identity ? vec4(0.0) : y;
-  z = (z - 1.0) * range.z;
-  vec2 lower = (base + 0.5) / n, upper = (base + 1.5) / n;
+  vec4 z = (vec4(code >> 20u & 2047u) * (1.0 / 2047.0) - 1.0) * range.z;
   LodenPatch patch_;
   patch_.p00 = vec3(lower.x + x.w, lower.y + y.w, z.w);
   patch_.p10 = vec3(upper.x + x.z, lower.y + y.z, z.z);
@@ -210,85 +229,73 @@ LodenPatch loden_fetch_patch(vec2 base) {
   patch_.p11 = vec3(upper.x + x.y, upper.y + y.y, z.y);
   patch_.exists = (code.w >> 31u) != 0u;
   return patch_;
+#endif
 }
 
 vec2 loden_shear(vec3 p, vec2 shift, LodenStraightRay line) {
   return p.xy + shift - line.slope * (p.z - line.z) - line.x;
 }
 
-// One step of Newton's method on Q(a, b) = q00 + q10 a + q01 b + q11 a b = 0, kept within the bounds. Returns
-// det Q', which has the sign of N.wo.
-float loden_newton_step(vec2 q00, vec2 q10, vec2 q01, vec2 q11, vec2 lower, vec2 upper, inout vec2 ab) {
-  vec2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
-  vec2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
-  float det = qa.x * qb.y - qa.y * qb.x;
-  float inverse_ = 1.0 / (abs(det) > 1e-12 ? det : 1e-12);
-  ab = clamp(ab - vec2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse_, lower, upper);
-  return det;
+float loden_cross(vec2 a, vec2 b) {
+  return a.x * b.y - a.y * b.x;
 }
 
-// What a patch says about the ray.
-const int LODEN_AWAY = 0, LODEN_BESIDE = 1, LODEN_HERE = 2;
+// What visiting a patch has found: where the ray meets it or its extension.
+struct LodenVisit {
+  vec2 p;      // unwrapped
+  float h;     // of the ray
+  float miss;  // by how many texels the ray fails to meet the patch; LODEN_ABSENT where there is none,
+               // LODEN_AWAY where no side of it faces the ray
+};
+const float LODEN_ABSENT = 1e9, LODEN_AWAY = 2e9;
 
-// Where the ray meets the patch: seen along the ray, the patch is Q(a, b) = P.xy - slope P.z, and Q = x is
-// wanted. A ray that turned to the back of the surface is away from what the viewer sees. h: where the search
-// is on the ray, before and after; miss: by how many texels the ray fails to meet a patch that faces it.
-int loden_meet_patch(LodenPatch patch_, vec2 shift, LodenViewRay ray, float side, inout vec2 ab,
-                     inout float h, out float miss) {
+// Visits the patch in which p lies, on behalf of the ray at h. Seen along the ray the patch is Q(a, b) = P.xy
+// - slope P.z - x = q00 + q10 a + q01 b + q11 a b, and Q = 0 is wanted. Along the line of all b the vectors
+// q00 + q10 a and q01 + q11 a are parallel, which is a quadratic in a; its growth at a root is det Q', which
+// has the sign of N.wo. So the root where it grows is that of the side that faces the viewer.
+LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
+  float n = loden_material.geometry_side;
+  vec2 texel = p * n - 0.5, base = floor(texel), ab = texel - base;
+  LodenPatch patch_ = loden_fetch_patch(base);
   LodenStraightRay line = loden_tangent_ray(ray, h);
+  vec2 shift = floor(ray.x + loden_ray_offset(ray, h) - patch_.p00.xy + 0.5);
   vec2 q00 = loden_shear(patch_.p00, shift, line);
   vec2 q10 = loden_shear(patch_.p10, shift, line) - q00;
   vec2 q01 = loden_shear(patch_.p01, shift, line) - q00;
   vec2 q11 = loden_shear(patch_.p11, shift, line) - q00 - q10 - q01;
-  vec2 lower = ab - LODEN_REACH, upper = ab + LODEN_REACH;
-  loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
-  loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
-  loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
-  float det = loden_newton_step(q00, q10, q01, q11, lower, upper, ab);
-  float z = mix(mix(patch_.p00.z, patch_.p10.z, ab.x), mix(patch_.p01.z, patch_.p11.z, ab.x), ab.y);
-  vec2 centred = abs(ab - 0.5);
-  vec2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
-  float residual = max(abs(q.x), abs(q.y)) * side;
+  float side = ray.bent && loden_on_its_way_out(ray, h) ? -1.0 : 1.0;
+  float c2 = side * loden_cross(q10, q11);
+  float c1 = side * (loden_cross(q10, q01) + loden_cross(q00, q11));
+  float c0 = side * loden_cross(q00, q01);
+  float square = c1 * c1 - 4.0 * c2 * c0, root = sqrt(max(square, 0.0));
+  float a = c1 > 0.0 ? -2.0 * c0 / (c1 + root) : (root - c1) / (abs(c2) > 1e-20 ? 2.0 * c2 : 1e-20);
+  bool faces = c1 > 0.0 || (square > 0.0 && abs(a - ab.x) < LODEN_REACH);
+  a = clamp(a, ab.x - LODEN_REACH, ab.x + LODEN_REACH);
+  vec2 from = q00 + q10 * a, along = q01 + q11 * a;
+  float b = -dot(from, along) / max(dot(along, along), 1e-20);
+  b = clamp(b, ab.y - LODEN_REACH, ab.y + LODEN_REACH);
+  vec2 q = from + along * b;
+  float z = mix(mix(patch_.p00.z, patch_.p10.z, a), mix(patch_.p01.z, patch_.p11.z, a), b);
+  float residual = max(abs(q.x), abs(q.y)) * n;
+  LodenVisit visit;
+  visit.h = z;
   if (ray.bent) {
     // On to the point of the ray that is nearest along it, and how far that is off across it.
-    float descent = loden_ray_descent(ray, h);
-    vec2 drift = loden_ray_drift(ray, h), point = q + line.x + line.slope * (z - line.z) - ray.x;
-    det = loden_on_its_way_out(ray, h) ? -det : det;
-    vec3 along = vec3(drift, descent), on = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
-    h = patch_.exists ? min(h + dot(on, along) / dot(along, along), 0.0) : h;
-    vec3 beside = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
-    residual = sqrt(dot(beside, beside)) * side * (LODEN_RESIDUAL / LODEN_BENT_RESIDUAL);
-  } else {
-    h = z;
+    vec2 point = q + line.x + line.slope * (z - line.z) - ray.x;
+    vec3 ahead = vec3(loden_ray_drift(ray, h), loden_ray_descent(ray, h));
+    vec3 on = vec3(point - loden_ray_offset(ray, h), z - loden_ray_z(ray, h));
+    visit.h = patch_.exists ? min(h + dot(on, ahead) / dot(ahead, ahead), 0.0) : h;
+    vec3 beside = vec3(point - loden_ray_offset(ray, visit.h), z - loden_ray_z(ray, visit.h));
+    residual = sqrt(dot(beside, beside)) * n * (LODEN_INSIDE / LODEN_BENT_RESIDUAL);
   }
-  bool faces = patch_.exists && det > 0.0;
-  miss = faces ? max(max(centred.x, centred.y) - 0.5, residual) : 1e9;
-  bool here = max(centred.x, centred.y) <= 0.5 + LODEN_INSIDE && residual <= LODEN_RESIDUAL;
-  if (!patch_.exists) return LODEN_BESIDE;
-  return faces ? (here ? LODEN_HERE : LODEN_BESIDE) : LODEN_AWAY;
-}
-
-// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the
-// ray meets from behind, unless patient. found = (p, h, 1) where it converges, or else (p, h, -miss) of the
-// smallest miss so far. What leaves the loop is carried through every iteration on purpose: llvmpipe
-// (Mesa 22.3) hands out the last iteration's values of anything else, also to invocations that left before.
-void loden_search_from(LodenViewRay ray, float h, vec2 p, bool patient, inout vec4 found) {
-  float n = loden_material.geometry_side;
-  vec2 point = ray.x + loden_ray_offset(ray, h);
-  int left = LODEN_PATCHES;
-  do {
-    vec2 texel = p * n - 0.5, base = floor(texel);
-    vec2 ab = texel - base;
-    LodenPatch patch_ = loden_fetch_patch(base);
-    if (ray.bent) point = ray.x + loden_ray_offset(ray, h);
-    vec2 shift = floor(point - patch_.p00.xy + 0.5);
-    float miss;
-    int meeting = loden_meet_patch(patch_, shift, ray, n, ab, h, miss);
-    p = (base + ab + 0.5) / n;
-    bool here = meeting == LODEN_HERE;
-    found = here || miss < -found.w ? vec4(p + shift, h, here ? 1.0 : -miss) : found;
-    left = here || (meeting == LODEN_AWAY && !patient) ? 0 : left - 1;
-  } while (left > 0);
+  vec2 centred = abs(vec2(a, b) - 0.5);
+  visit.p = (base + vec2(a, b) + 0.5) / n + shift;
+  visit.miss = max(max(centred.x, centred.y) - 0.5, residual);
+  if (!faces)
+    visit.miss = LODEN_AWAY;
+  else if (!patch_.exists)
+    visit.miss = LODEN_ABSENT;
+  return visit;
 }
 
 float loden_highest_below(vec4 depths, float below) {
@@ -328,15 +335,82 @@ vec4 loden_gather_seeds(LodenViewRay ray, LodenRayPath path, LodenStraightRay li
               loden_seed_height(ray, path, line, z.z), loden_seed_height(ray, path, line, z.w));
 }
 
-// Depths of `layers` directions, 1 or 3, and at most so many candidates; both constant where it is called.
-LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, const int layers, const int candidates) {
-  LodenViewRay ray = loden_view_ray(m, x, wo);
+#ifdef LODEN_HEIGHT_FIELD
+float loden_height_at(vec2 x) {
+  LODEN_COUNT(LODEN_UNIT_GEOMETRY, 1);
+  return (textureLod(loden_height, x, 0.0).x - 1.0) * loden_material.geometry_range.z;
+}
+
+// A march down a straight ray: the last sample above the height field and the first below it.
+struct LodenMarch {
+  float above, below;          // z
+  float gap_above, gap_below;  // heights of the surface over them; of the first sample a little below 0
+  bool found;                  // false: none is below, and all of this is of the two lowest
+};
+
+// Between the bounds that depths of the nearest direction set, and not below `lowest`.
+LodenMarch loden_march(LodenViewRay ray, float lowest, LodenEffort effort) {
+  float range = loden_material.geometry_range.z;
+  LodenNearestLayers nearest = loden_nearest_layers(loden_material.atlas_directions,
+                                                    loden_vdim_square_from_view(loden_view_along(ray.slope)));
+  vec4 z = loden_gather_depths(nearest.index.x, ray.x);
+  lowest = max(lowest, -range);
+  float top = clamp(max(max(z.x, z.y), max(z.z, z.w)) + LODEN_MARGIN * range, lowest, 0.0);
+  float bottom = max(min(min(z.x, z.y), min(z.z, z.w)) - LODEN_MARGIN * range, lowest);
+  float travel = (top - bottom) * sqrt(dot(ray.slope, ray.slope)) * loden_material.geometry_side;
+  float samples = clamp(ceil(travel / effort.texels), 2.0, effort.samples);
+  float step_ = min(bottom - top, 0.0) / samples;
+  LodenMarch march = LodenMarch(top, top, 0.0, -1e-4 * range, false);
+  do {
+    march.above = march.below;
+    march.gap_above = march.gap_below;
+    march.below += step_;
+    march.gap_below = loden_height_at(ray.x + ray.slope * march.below) - march.below;
+    march.found = march.gap_below >= -LODEN_TOUCHING * range;
+    samples = march.found ? 0.0 : samples - 1.0;
+  } while (samples > 0.0);
+  return march;
+}
+
+// z at which the straight ray meets the bilinear patch that it is over at z, or its extension: along the ray
+// that patch is a quadratic.
+float loden_meet_height(LodenViewRay ray, float z) {
+  float n = loden_material.geometry_side;
+  vec2 texel = (ray.x + ray.slope * z) * n - 0.5, base = floor(texel), ab = texel - base;
+  LODEN_COUNT(LODEN_UNIT_GEOMETRY, 1);
+  vec4 h = (textureGather(loden_height, (base + 1.0) / n, 0).wzxy - 1.0) * loden_material.geometry_range.z;
+  vec2 d = ray.slope * n;
+  float e = h.y - h.x, f = h.z - h.x, g = h.w - h.z - e;
+  float c0 = h.x + e * ab.x + f * ab.y + g * ab.x * ab.y - z;
+  float c1 = e * d.x + f * d.y + g * (ab.x * d.y + ab.y * d.x) - 1.0;
+  float c2 = g * d.x * d.y;
+  float t = 2.0 * c0 / max(-c1 + sqrt(max(c1 * c1 - 4.0 * c2 * c0, 0.0)), 1e-6);
+  float reach = LODEN_REACH / max(max(abs(d.x), abs(d.y)), 1e-3);
+  return c1 > -0.02 ? z : z + clamp(t, -reach, reach);  // climbing with the ray: it is not met from above
+}
+
+LodenVdimHit loden_height_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
+  LodenMarch march = loden_march(ray, LODEN_NONE, effort);
+  float share = march.gap_above / min(march.gap_above - march.gap_below, -1e-9);
+  float z = loden_meet_height(ray, march.found ? mix(march.above, march.below, share) : march.below);
+  vec2 offset = ray.slope * z;
+  return LodenVdimHit(ray.x + offset + floor(x), offset, z, z, march.found, false);
+}
+#endif
+
+// By depths of the atlas, to a hit on the geometry image.
+LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
   float range = loden_material.geometry_range.z;
   LodenRayPath path = loden_ray_path(ray, range);
-  vec4 found = vec4(0.0, 0.0, 0.0, -1e9);
-  // Anchor by anchor along the ray; the first search that converges wins.
+  int layers = effort.layers;
+  LodenVisit found;
+  int each = ray.bent ? LODEN_BENT_EACH : LODEN_EACH;
+  // Anchor by anchor along the ray; the first patch that is met wins.
   int anchor = 0;
-  do {
+#ifdef LODEN_FOLLOW_SURFACE
+  do
+#endif
+  {
     LodenStraightRay line = loden_seed_ray(ray, path, range, anchor);
     LodenNearestLayers nearest = loden_nearest_layers(
         loden_material.atlas_directions, loden_vdim_square_from_view(loden_view_along(line.slope)));
@@ -349,7 +423,7 @@ LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, const int laye
       depths.layer[2] = loden_gather_seeds(ray, path, line, entry, nearest.index.z);
     }
     // First the blended depth of the topmost surface, at the first anchor; then single depths from the one
-    // nearest to the viewer down; then, where there is no other anchor, these once more with patience.
+    // nearest to the viewer down.
     float top = loden_highest_below(depths, layers, 1.0);
     float depth = range * line.h_per_z;
     float h = top, below = top - LODEN_SEPARATION * depth;
@@ -360,34 +434,49 @@ LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, const int laye
     }
     vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
     // Where no patch faces the ray the blended depth is near.
-    found = anchor == 0 ? vec4(p, h, -1e9) : found;
-    bool patient = false;
-    int left = candidates;
+    if (anchor == 0) found = LodenVisit(p, h, 1e8);
+    int left = effort.visits, again = each;
     do {
-      loden_search_from(ray, h, p, patient, found);
+      LodenVisit visit = loden_visit(ray, h, p);
+      bool nearer = visit.miss < found.miss;
+      found = LodenVisit(nearer ? visit.p : found.p, nearer ? visit.h : found.h, min(visit.miss, found.miss));
+      again = visit.miss > LODEN_ABSENT ? 0 : again - 1;
+      h = visit.h;
+      p = visit.p;
       float next = loden_highest_below(depths, layers, below);
-      bool exhausted = next < LODEN_NONE;
-      left = found.w > 0.0 || (exhausted && (patient || path.anchors > 1)) ? 0 : left - 1;
-      patient = patient || exhausted;
-      h = exhausted ? top : next;
-      below = h - LODEN_SEPARATION * depth;
-      if (left > 0) p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
+      left = found.miss <= LODEN_INSIDE || (again == 0 && next < LODEN_NONE) ? 0 : left - 1;
+      if (again == 0) {
+        h = next;
+        below = next - LODEN_SEPARATION * depth;
+        p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
+        again = each;
+      }
     } while (left > 0);
     ++anchor;
-  } while (ray.bent && found.w <= 0.0 && anchor < path.anchors);
+  }
+#ifdef LODEN_FOLLOW_SURFACE
+  while (ray.bent && found.miss > LODEN_INSIDE && anchor < path.anchors);
+#endif
   LodenVdimHit hit;
-  hit.converged = found.w > 0.0;
+  hit.converged = found.miss <= LODEN_INSIDE;
   hit.missed = !hit.converged && path.anchors > 1 && -0.5 / max(ray.bend, 1e-6) > -LODEN_SHALLOW * range;
-  vec2 base = floor(x);
-  hit.p = found.xy + base;
-  hit.offset = loden_ray_offset(ray, found.z);
-  hit.height = found.z;
-  hit.z = loden_ray_z(ray, found.z);
+  hit.p = found.p + floor(x);
+  hit.offset = loden_ray_offset(ray, found.h);
+  hit.height = found.h;
+  hit.z = loden_ray_z(ray, found.h);
   return hit;
 }
 
+LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, LodenEffort effort) {
+  LodenViewRay ray = loden_view_ray(m, x, wo);
+#ifdef LODEN_HEIGHT_FIELD
+  if (!ray.bent) return loden_height_lookup(ray, x, effort);
+#endif
+  return loden_patch_lookup(ray, x, effort);
+}
+
 LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
-  return loden_atlas_lookup(m, x, wo, LODEN_LAYERS, LODEN_CANDIDATES);
+  return loden_atlas_lookup(m, x, wo, LODEN_EFFORT);
 }
 
 #ifdef LODEN_LOOKUP_PAPER

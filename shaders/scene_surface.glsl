@@ -21,7 +21,7 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
   point.material.tile_length = object.tile.x;
   if ((scene.flags.x & SCENE_LAMBDA_DISTANCE) != 0)
     point.material.distance_ = shape.away * scene.lambda.y * loden_material.side / object.tile.x;
-#ifdef SCENE_FOLLOW_SURFACE
+#ifdef LODEN_FOLLOW_SURFACE
   loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
 #endif
 #ifdef SCENE_PARALLAX_DEPTH

@@ -183,6 +183,15 @@ bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& su
   V3<T> leaving(xy - tilt * wi.z, wi.z + glm::dot(tilt, xy));
   leaving /= std::sqrt(glm::dot(leaving, leaving));
   if (!(leaving.z > T(0))) return true;  // along a convex surface, past it
+  const bool bent = surface.curvature != glm::mat<2, 2, T>(0);
+  const T own = T(kSameSurface) / T(maps.atlas ? maps.atlas->geometry.side() : 128);
+  if (maps.atlas && maps.atlas->geometry.identity_parameterization && !bent) {
+    // Mirrors loden_height_field_lets_by.
+    const V2<T> drift = surface.x_from_tangent * slope;
+    const T lowest =
+        position.z + std::max(T(kBias), own / std::max(std::sqrt(glm::dot(drift, drift)), T(1e-6)));
+    return lowest >= T(0) || !heightFieldMet(*maps.atlas, lookup, exit, leaving, surface, lowest, fetches);
+  }
   const VdimHit<T> first = vdimLookup(maps, lookup, exit, leaving, surface);
   if (fetches) *fetches += first.fetches;
   // P as a height of that ray.
@@ -190,11 +199,9 @@ bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& su
   const T out_bend = glm::dot(out, surface.curvature * out);
   const T height =
       T(2) * position.z / (T(1) + std::sqrt(std::max(T(1) + T(2) * out_bend * position.z, T(0))));
-  const bool bent = surface.curvature != glm::mat<2, 2, T>(0);
   V2<T> beside = first.p - p;
   beside -= glm::floor(beside + T(0.5));
   const T bias = bent ? T(kBentBias) : T(kBias);
-  const T own = T(kSameSurface) / T(maps.atlas ? maps.atlas->geometry.side() : 128);
   return first.missed || first.height <= height + bias || glm::dot(beside, beside) < own * own;
 }
 

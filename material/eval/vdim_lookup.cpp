@@ -10,30 +10,33 @@
 namespace loden {
 namespace {
 
-constexpr int kNewtonSteps = 4;  // inside one patch; they cost no fetch
-constexpr float kReach = 3;      // texels that a search may move by in one patch
-constexpr float kInside = 0.2f;  // texels beyond a patch at which its extension still counts as the surface
-constexpr float kResidual =
-    0.2f;  // texels between ray and surface, along the plane, at which a search has converged
-constexpr float kBentResidual = 0.1f;  // the same of a bent ray, across it
-constexpr int kPatches = 5;            // that one search visits at most
+constexpr float kReach = 3;      // texels that one visit of a patch may move by
+constexpr float kInside = 0.5f;  // texels beyond a patch at which its extension still counts as the surface
+constexpr float kBentResidual = 0.1f;  // texels between surface and bent ray at which they meet
+constexpr int kEach = 2;               // visits for each candidate depth
+constexpr int kBentEach = 5;           // the same of a bent ray, whose direction changes on the way
 // Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
 constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
 constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
-constexpr float kNone = -1e8f;                // below every depth
-constexpr int kAnchors = 6;                   // along a bent ray
+constexpr float kMargin = 15.5f / 255.0f;  // of the depth range: how far off neighbouring entries bound a hit
+constexpr float kTouching = 1e-5f;         // of the depth range: rounding, where a sample is on the surface
+constexpr float kNone = -1e8f;             // below every depth
+constexpr int kAnchors = 6;                // along a bent ray
 constexpr float kStraight =
     0.2f;  // share by which a ray's descent may change on its way down: one anchor will do
 constexpr float kLeastDescent = 0.02f;  // of the straight line that stands for a ray where it turns
 constexpr float kShallow = 0.5f;  // of the depth range: rays that turn below it are not taken to leave again
 
-struct SearchLimits {
-  int layers;
-  int candidates;
+// What a lookup spends.
+struct Effort {
+  int layers;     // directions of the atlas whose depths are read
+  int visits;     // of patches, at most
+  float texels;   // of the march: steps along the plane, in texels of the height field
+  float samples;  // of the march, at most
 };
-SearchLimits searchLimits(Lookup lookup) {
-  if (lookup == Lookup::kFast) return {1, 5};
-  return {3, 16};
+Effort effortOf(Lookup lookup) {
+  if (lookup == Lookup::kFast) return {1, 12, 2, 16};
+  return {3, 24, 1, 32};
 }
 
 // A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent.
@@ -188,85 +191,64 @@ glm::vec<2, T> parameterNear(const VdimAtlas& atlas, glm::vec<2, T> point, T z) 
   return point + glm::vec<2, T>(T(d.x), T(d.y)) * T(0.5);
 }
 
-// What a patch says about the ray.
-enum class Meeting { kAway, kNear, kHere };
-
-// Where the ray meets the bilinear patch, by Newton's method in the plane: seen along the ray, the patch is
-// Q(a, b) = P.xy - slope P.z, and Q = x is wanted. det Q' has the sign of N.wo: a ray that turned to the back
-// of the surface is away from what the viewer sees. `h` is where the search is on the ray, before and after;
-// `miss` by how many texels the ray fails to meet a patch that faces it.
 template <class T>
-Meeting meetPatch(const Patch<T>& patch, glm::vec<2, T> shift, const ViewRay<T>& ray, T side,
-                  glm::vec<2, T>& ab, T& h, T& miss) {
+T cross(glm::vec<2, T> a, glm::vec<2, T> b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+// What visiting a patch has found: where the ray meets it or its extension.
+template <class T>
+struct Visit {
+  glm::vec<2, T> p;  // of any copy
+  T h;               // of the ray
+  T miss;  // by how many texels the ray fails to meet the patch; kAbsent where there is none, kAway where no
+           // side of it faces the ray
+};
+constexpr float kAbsent = 1e9f, kAway = 2e9f;
+
+// Visits the patch in which p lies, on behalf of the ray at h. Seen along the ray the patch is Q(a, b) = P.xy
+// - slope P.z - x = q00 + q10 a + q01 b + q11 a b, and Q = 0 is wanted. Along the line of all b the vectors
+// q00 + q10 a and q01 + q11 a are parallel, which is a quadratic in a; its growth at a root is det Q', which
+// has the sign of N.wo. So the root where it grows is that of the side that faces the viewer.
+template <class T>
+Visit<T> visitPatch(const PackedGeometry& geometry, const ViewRay<T>& ray, T h, glm::vec<2, T> p) {
   using V2 = glm::vec<2, T>;
+  const T n = T(geometry.side());
+  const V2 texel = p * n - T(0.5), base = glm::floor(texel), ab = texel - base;
+  const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
   const StraightRay<T> line = tangentRay(ray, h);
-  const auto shear = [&](const glm::vec<3, T>& p) {
-    return V2(p.x, p.y) + shift - line.slope * (p.z - line.z) - line.x;
+  const auto shear = [&](const glm::vec<3, T>& at, V2 shift) {
+    return V2(at.x, at.y) + shift - line.slope * (at.z - line.z) - line.x;
   };
-  const V2 q00 = shear(patch.p00), q10 = shear(patch.p10) - q00, q01 = shear(patch.p01) - q00;
-  const V2 q11 = shear(patch.p11) - q00 - q10 - q01;
-  const V2 lower = ab - T(kReach), upper = ab + T(kReach);
-  T det = 0;
-  for (int newton = 0; newton < kNewtonSteps; ++newton) {
-    const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
-    const V2 qa = q10 + q11 * ab.y, qb = q01 + q11 * ab.x;
-    det = qa.x * qb.y - qa.y * qb.x;
-    const T inverse = T(1) / (std::abs(det) > T(1e-12) ? det : T(1e-12));
-    ab -= V2(qb.y * q.x - qb.x * q.y, qa.x * q.y - qa.y * q.x) * inverse;
-    ab = glm::clamp(ab, lower, upper);
-  }
-  const T z =
-      glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
-  const V2 q = q00 + q10 * ab.x + q01 * ab.y + q11 * (ab.x * ab.y);
-  T residual = std::max(std::abs(q.x), std::abs(q.y)) * side;
-  if (patch.chart == 0) return Meeting::kNear;
+  const V2 shift = glm::floor(ray.x + ray.offset(h) - V2(patch.p00.x, patch.p00.y) + T(0.5));
+  const V2 q00 = shear(patch.p00, shift), q10 = shear(patch.p10, shift) - q00,
+           q01 = shear(patch.p01, shift) - q00, q11 = shear(patch.p11, shift) - q00 - q10 - q01;
+  const T side = ray.bent && ray.onItsWayOut(h) ? T(-1) : T(1);
+  const T c2 = side * cross(q10, q11), c1 = side * (cross(q10, q01) + cross(q00, q11)),
+          c0 = side * cross(q00, q01);
+  const T square = c1 * c1 - T(4) * c2 * c0, root = std::sqrt(std::max(square, T(0)));
+  T a = c1 > 0 ? T(-2) * c0 / (c1 + root) : (root - c1) / (std::abs(c2) > T(1e-20) ? T(2) * c2 : T(1e-20));
+  const bool faces = c1 > 0 || (square > 0 && std::abs(a - ab.x) < T(kReach));
+  a = std::clamp(a, ab.x - T(kReach), ab.x + T(kReach));
+  const V2 from = q00 + q10 * a, along = q01 + q11 * a;
+  T b = -glm::dot(from, along) / std::max(glm::dot(along, along), T(1e-20));
+  b = std::clamp(b, ab.y - T(kReach), ab.y + T(kReach));
+  const V2 q = from + along * b;
+  const T z = glm::mix(glm::mix(patch.p00.z, patch.p10.z, a), glm::mix(patch.p01.z, patch.p11.z, a), b);
+  T residual = std::max(std::abs(q.x), std::abs(q.y)) * n;
+  Visit<T> visit{(base + V2(a, b) + T(0.5)) / n + shift, z, faces ? T(kAbsent) : T(kAway)};
   if (ray.bent) {
     // On to the point of the ray that is nearest along it, and how far that is off across it.
     using V3 = glm::vec<3, T>;
     const V2 point = q + line.x + line.slope * (z - line.z) - ray.x;
-    const V3 along(ray.drift(h), ray.descent(h)), on(point - ray.offset(h), z - ray.z(h));
-    if (ray.onItsWayOut(h)) det = -det;
-    h = std::min(h + glm::dot(on, along) / glm::dot(along, along), T(0));
-    const V3 beside(point - ray.offset(h), z - ray.z(h));
-    residual = std::sqrt(glm::dot(beside, beside)) * side * T(kResidual / kBentResidual);
-  } else {
-    h = z;
+    const V3 ahead(ray.drift(h), ray.descent(h)), on(point - ray.offset(h), z - ray.z(h));
+    visit.h = patch.chart != 0 ? std::min(h + glm::dot(on, ahead) / glm::dot(ahead, ahead), T(0)) : h;
+    const V3 beside(point - ray.offset(visit.h), z - ray.z(visit.h));
+    residual = std::sqrt(glm::dot(beside, beside)) * n * T(kInside / kBentResidual);
   }
-  if (!(det > 0)) return Meeting::kAway;
-  const V2 centred = glm::abs(ab - T(0.5));
-  miss = std::max(std::max(centred.x, centred.y) - T(0.5), residual);
-  const bool here = std::max(centred.x, centred.y) <= T(0.5) + T(kInside) && residual <= T(kResidual);
-  return here ? Meeting::kHere : Meeting::kNear;
-}
-
-// Newton's search from p, the parameter near the point of the ray at h; gives up on the first patch that the
-// ray meets from behind, unless patient. hit gets p and height where it converges, or else of the smallest
-// miss so far, `nearest`.
-template <class T>
-void searchFrom(const PackedGeometry& geometry, const ViewRay<T>& ray, T h, glm::vec<2, T> p, bool patient,
-                VdimHit<T>& hit, T& nearest) {
-  using V2 = glm::vec<2, T>;
-  const T n = T(geometry.side());
-  V2 point = ray.x + ray.offset(h);
-  int left = kPatches;
-  do {
-    const V2 texel = p * n - T(0.5), base = glm::floor(texel);
-    V2 ab = texel - base;
-    const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
-    hit.fetches += 1;  // one gather
-    if (ray.bent) point = ray.x + ray.offset(h);
-    const V2 shift = glm::floor(point - V2(patch.p00.x, patch.p00.y) + T(0.5));
-    T miss = T(1e9);
-    const Meeting meeting = meetPatch(patch, shift, ray, n, ab, h, miss);
-    p = (base + ab + T(0.5)) / n;
-    hit.converged = meeting == Meeting::kHere;
-    if (hit.converged || miss < nearest) {
-      hit.p = p + shift;
-      hit.height = h;
-    }
-    nearest = std::min(nearest, miss);
-    left = hit.converged || (meeting == Meeting::kAway && !patient) ? 0 : left - 1;
-  } while (left > 0);
+  const V2 centred = glm::abs(V2(a, b) - T(0.5));
+  if (faces && patch.chart != 0) visit.miss = std::max(std::max(centred.x, centred.y) - T(0.5), residual);
+  return visit;
 }
 
 // The depths that a lookup has gathered, as h of the ray.
@@ -301,22 +283,96 @@ T clusterMean(const Depths<T>& depths, T low, glm::vec<2, T> f, const T (&layer_
   return sum / std::max(weight, T(1e-9));
 }
 
-// loden_vdim_lookup of the shaders.
 template <class T>
-VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                       const LocalSurface<T>& surface) {
-  const ViewRay<T> ray = viewRay(surface, x, wo);
+T heightAt(const PackedGeometry& geometry, glm::vec<2, T> x) {
+  const glm::vec<2, T> texel = x * T(geometry.side()) - T(0.5), base = glm::floor(texel), ab = texel - base;
+  const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
+  return glm::mix(glm::mix(patch.p00.z, patch.p10.z, ab.x), glm::mix(patch.p01.z, patch.p11.z, ab.x), ab.y);
+}
+
+// A march down a straight ray: the last sample above the height field and the first below it.
+template <class T>
+struct March {
+  T above, below;          // z
+  T gap_above, gap_below;  // heights of the surface over them; of the first sample a little below 0
+  bool found;              // false: none is below, and all of this is of the two lowest
+  int fetches;
+};
+
+// Between the bounds that depths of the nearest direction set, and not below `lowest`.
+template <class T>
+March<T> marchDown(const VdimAtlas& atlas, const ViewRay<T>& ray, T lowest, const Effort& effort) {
+  const T range = T(atlas.geometry.range.z);
+  const NearestLayers<T> nearest =
+      nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(ray.slope)));
+  const glm::vec<4, T> z = gatherDepths(atlas, nearest.index[0], ray.x);
+  lowest = std::max(lowest, -range);
+  const T top =
+      std::clamp(std::max(std::max(z.x, z.y), std::max(z.z, z.w)) + T(kMargin) * range, lowest, T(0));
+  const T bottom = std::max(std::min(std::min(z.x, z.y), std::min(z.z, z.w)) - T(kMargin) * range, lowest);
+  const T travel = (top - bottom) * std::sqrt(glm::dot(ray.slope, ray.slope)) * T(atlas.geometry.side());
+  T samples = std::clamp(std::ceil(travel / T(effort.texels)), T(2), T(effort.samples));
+  const T step = std::min(bottom - top, T(0)) / samples;
+  March<T> march{top, top, T(0), T(-1e-4) * range, false, 1};
+  do {
+    march.above = march.below, march.gap_above = march.gap_below;
+    march.below += step;
+    march.gap_below = heightAt(atlas.geometry, ray.x + ray.slope * march.below) - march.below;
+    ++march.fetches;
+    march.found = march.gap_below >= T(-kTouching) * range;
+    samples = march.found ? T(0) : samples - T(1);
+  } while (samples > 0);
+  return march;
+}
+
+// z at which the straight ray meets the bilinear patch that it is over at z, or its extension: along the ray
+// that patch is a quadratic.
+template <class T>
+T meetHeight(const PackedGeometry& geometry, const ViewRay<T>& ray, T z) {
+  using V2 = glm::vec<2, T>;
+  const T n = T(geometry.side());
+  const V2 texel = (ray.x + ray.slope * z) * n - T(0.5), base = glm::floor(texel), ab = texel - base;
+  const Patch<T> patch = fetchPatch<T>(geometry, static_cast<int>(base.x), static_cast<int>(base.y));
+  const V2 d = ray.slope * n;
+  const T e = patch.p10.z - patch.p00.z, f = patch.p01.z - patch.p00.z, g = patch.p11.z - patch.p01.z - e;
+  const T c0 = patch.p00.z + e * ab.x + f * ab.y + g * ab.x * ab.y - z;
+  const T c1 = e * d.x + f * d.y + g * (ab.x * d.y + ab.y * d.x) - T(1);
+  const T c2 = g * d.x * d.y;
+  const T t = T(2) * c0 / std::max(-c1 + std::sqrt(std::max(c1 * c1 - T(4) * c2 * c0, T(0))), T(1e-6));
+  const T reach = T(kReach) / std::max(std::max(std::abs(d.x), std::abs(d.y)), T(1e-3));
+  return c1 > T(-0.02) ? z : z + std::clamp(t, -reach, reach);  // climbing: it is not met from above
+}
+
+template <class T>
+VdimHit<T> heightLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2, T> x,
+                        const Effort& effort) {
+  const March<T> march = marchDown(atlas, ray, T(kNone), effort);
+  const T share = march.gap_above / std::min(march.gap_above - march.gap_below, T(-1e-9));
+  VdimHit<T> hit;
+  hit.height =
+      meetHeight(atlas.geometry, ray, march.found ? glm::mix(march.above, march.below, share) : march.below);
+  hit.fetches = march.fetches + 1;
+  hit.converged = march.found;
+  hit.offset = ray.slope * hit.height;
+  hit.p = ray.x + hit.offset + glm::floor(x);
+  hit.position = glm::vec<3, T>(hit.p, hit.height);
+  return hit;
+}
+
+// By depths of the atlas, to a hit on the geometry image.
+template <class T>
+VdimHit<T> patchLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2, T> x,
+                       const Effort& effort) {
   const T range = T(atlas.geometry.range.z);
   const RayPath<T> path = rayPath(ray, range);
-  const SearchLimits limits = searchLimits(lookup);
   VdimHit<T> hit;
-  T nearest = T(1e9);
-  const auto search = [&](T h, bool patient) {
+  const auto parameter = [&](T h) {
     hit.fetches += atlas.volume.empty() ? 0 : 1;
-    searchFrom(atlas.geometry, ray, h, parameterNear(atlas, ray.x + ray.offset(h), ray.z(h)), patient, hit,
-               nearest);
+    return parameterNear(atlas, ray.x + ray.offset(h), ray.z(h));
   };
-  // Anchor by anchor along the ray; the first search that converges wins.
+  Visit<T> found{};
+  const int each = ray.bent ? kBentEach : kEach;
+  // Anchor by anchor along the ray; the first patch that is met wins.
   int anchor = 0;
   do {
     const StraightRay<T> line = seedRay(ray, path, range, anchor);
@@ -324,14 +380,14 @@ VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, 
         nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(line.slope)));
     glm::vec<2, T> entry = line.x - line.slope * line.z;  // where it meets the plane
     if (ray.bent) entry -= glm::floor(entry);
-    Depths<T> depths{{}, limits.layers};
-    for (int l = 0; l < limits.layers; ++l) {
+    Depths<T> depths{{}, effort.layers};
+    for (int l = 0; l < effort.layers; ++l) {
       const glm::vec<4, T> z = gatherDepths(atlas, layers.index[l], entry);
       for (int k = 0; k < 4; ++k) depths.layer[l][k] = seedHeight(ray, path, line, z[k]);
     }
-    hit.fetches += limits.layers;
+    hit.fetches += effort.layers;
     // First the blended depth of the topmost surface, at the first anchor; then single depths from the one
-    // nearest to the viewer down; then, where there is no other anchor, these once more with patience.
+    // nearest to the viewer down.
     const T top = highestBelow(depths, T(1));
     const T depth = range * line.h_per_z;  // codes are as far apart in h as they are in it
     T h = top, below = top - T(kSeparation) * depth;
@@ -339,30 +395,48 @@ VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, 
       const glm::vec<2, T> f = glm::fract(entry * T(atlas.size.texels) - T(0.5));
       h = clusterMean(depths, top - T(kCluster) * depth, f, layers.weight);
       below = T(1);
-      // Where no patch faces the ray the blended depth is near.
-      hit.p = parameterNear(atlas, ray.x + ray.offset(h), ray.z(h));
-      hit.height = h;
     }
-    bool patient = false;
-    int left = limits.candidates;
+    glm::vec<2, T> p = parameter(h);
+    // Where no patch faces the ray the blended depth is near.
+    if (anchor == 0) found = {p, h, T(1e8)};
+    int left = effort.visits, again = each;
     do {
-      search(h, patient);
+      const Visit<T> visit = visitPatch(atlas.geometry, ray, h, p);
+      hit.fetches += 1;  // one gather
+      if (visit.miss < found.miss) found = visit;
+      again = visit.miss > T(kAbsent) ? 0 : again - 1;
+      h = visit.h;
+      p = visit.p;
       const T next = highestBelow(depths, below);
-      const bool exhausted = next < T(kNone);
-      left = hit.converged || (exhausted && (patient || path.anchors > 1)) ? 0 : left - 1;
-      patient = patient || exhausted;
-      h = exhausted ? top : next;
-      below = h - T(kSeparation) * depth;
+      left = found.miss <= T(kInside) || (again == 0 && next < T(kNone)) ? 0 : left - 1;
+      if (again == 0) {
+        h = next;
+        below = next - T(kSeparation) * depth;
+        p = parameter(h);
+        again = each;
+      }
     } while (left > 0);
     ++anchor;
-  } while (!hit.converged && anchor < path.anchors);
+  } while (ray.bent && found.miss > T(kInside) && anchor < path.anchors);
   const T turning = T(-0.5) / std::max(ray.bend, T(1e-6));
+  hit.converged = found.miss <= T(kInside);
   hit.missed = !hit.converged && path.anchors > 1 && turning > T(-kShallow) * range;
   const glm::vec<2, T> base = glm::floor(x);
-  hit.p += base;
+  hit.p = found.p + base;
+  hit.height = found.h;
   hit.offset = ray.offset(hit.height);
   hit.position = glm::vec<3, T>(ray.x + hit.offset + base, ray.z(hit.height));
   return hit;
+}
+
+// loden_vdim_lookup of the shaders.
+template <class T>
+VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                       const LocalSurface<T>& surface) {
+  const ViewRay<T> ray = viewRay(surface, x, wo);
+  if (atlas.geometry.identity_parameterization && !ray.bent)
+    return heightLookup(atlas, ray, x, effortOf(lookup));
+  return patchLookup(atlas, ray, x, effortOf(lookup));
 }
 
 // loden_paper_vdim_lookup of the shaders.
@@ -411,6 +485,14 @@ VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const gl
 }
 
 }  // namespace
+
+template <class T>
+bool heightFieldMet(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                    const LocalSurface<T>& surface, T lowest, int* fetches) {
+  const March<T> march = marchDown(atlas, viewRay(surface, x, wo), lowest, effortOf(lookup));
+  if (fetches) *fetches += march.fetches;
+  return march.found;
+}
 
 std::string_view lookupName(Lookup lookup) {
   switch (lookup) {
@@ -478,6 +560,10 @@ VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, con
   return hit;
 }
 
+template bool heightFieldMet(const VdimAtlas&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&,
+                             const LocalSurface<float>&, float, int*);
+template bool heightFieldMet(const VdimAtlas&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,
+                             const LocalSurface<double>&, double, int*);
 template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&,
                                    const LocalSurface<float>&);
 template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,

@@ -24,7 +24,6 @@ uint32_t packOffset(uint16_t image_code, double image_range, double range) {
 
 // `texel` holds the image's codes of P.xy - p, of P.z, and the chart.
 uint32_t packTexel(const uint16_t* texel, const GeometryImage& image, const glm::vec3& range) {
-  if (image.identity_parameterization) return texel[2];
   return packOffset(texel[0], image.range.x, range.x) | packOffset(texel[1], image.range.y, range.y) << 10 |
          code(texel[2] / double(kStepsImage) * kStepsZ) << 20;
 }
@@ -38,11 +37,18 @@ glm::vec3 packedRange(const GeometryImage& image) {
 PackedGeometry packGeometry(const GeometryImage& image) {
   const int n = image.side();
   PackedGeometry packed;
-  packed.texels = Texture::make(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, n, n, 1);
+  const TexelFormat format =
+      image.identity_parameterization ? TexelFormat::kRG8Unorm : TexelFormat::kRGBA8Unorm;
+  packed.texels = Texture::make(format, TextureShape::kArray2D, n, n, 1);
   packed.range = packedRange(image);
   packed.identity_parameterization = image.identity_parameterization;
   packed.aspect = image.aspect;
   const auto* texels = reinterpret_cast<const uint16_t*>(image.texels.data.data());
+  if (image.identity_parameterization) {
+    auto* heights = reinterpret_cast<uint16_t*>(packed.texels.data.data());
+    for (size_t k = 0; k < static_cast<size_t>(n) * n; ++k) heights[k] = texels[4 * k + 2];
+    return packed;
+  }
   auto* codes = reinterpret_cast<uint32_t*>(packed.texels.data.data());
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
@@ -56,6 +62,15 @@ PackedGeometry packGeometry(const GeometryImage& image) {
 template <class T>
 Patch<T> fetchPatch(const PackedGeometry& geometry, int i, int j) {
   const int n = geometry.side();
+  if (geometry.identity_parameterization) {
+    const auto* heights = reinterpret_cast<const uint16_t*>(geometry.texels.data.data());
+    const auto corner = [&](int ci, int cj) {
+      const uint16_t height = heights[static_cast<size_t>(wrapIndex(cj, n)) * n + wrapIndex(ci, n)];
+      return glm::vec<3, T>((T(ci) + T(0.5)) / T(n), (T(cj) + T(0.5)) / T(n),
+                            (T(height) * (T(1) / T(kStepsImage)) - T(1)) * T(geometry.range.z));
+    };
+    return {corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1), 1};
+  }
   const auto* codes = reinterpret_cast<const uint32_t*>(geometry.texels.data.data());
   const glm::vec<3, T> range(geometry.range);
   const auto codeAt = [&](int ci, int cj) {
@@ -69,8 +84,6 @@ Patch<T> fetchPatch(const PackedGeometry& geometry, int i, int j) {
   const auto corner = [&](int ci, int cj) {
     const uint32_t c = codeAt(ci, cj);
     const V2 p((T(ci) + T(0.5)) / T(n), (T(cj) + T(0.5)) / T(n));
-    if (geometry.identity_parameterization)
-      return glm::vec<3, T>(p, (T(c & 0xffff) * (T(1) / T(kStepsImage)) - T(1)) * range.z);
     V2 beside = offset(c);
     beside -= glm::floor(beside - first + T(0.5));  // all corners in the period of the first
     return glm::vec<3, T>(p + beside, (T(c >> 20 & kMaskZ) * (T(1) / T(kStepsZ)) - T(1)) * range.z);

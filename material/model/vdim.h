@@ -1,9 +1,8 @@
 // View-dependent indirection: p = VDIM(x, wo), where the view ray through x first meets the tile
 // (Hadim et al. 2009, eq. 1). Two representations:
 //   PaperVdim   the published one: reference indirection, direction and distance per view (eqs. 2, 3; 3.5)
-//   VdimAtlas   depths per (direction, texel) that seed a Newton search on the packed geometry image; built
-//   from
-//               the geometry image at load, at the size that a scene's budget allows
+//   VdimAtlas   depths per (direction, texel) that seed a search on the packed geometry image; built from the
+//               geometry image at load, at the size that a scene's budget allows
 #pragma once
 
 #include <glm/glm.hpp>
@@ -108,9 +107,11 @@ struct LocalSurface {
 enum class Lookup : uint32_t {
   kNone,   // it is not: p = x
   kPaper,  // the published map, blended over directions, its reference unfiltered (FBTF 3.5); 2 fetches
-  kFast,   // the atlas: depths of the nearest direction, 5 candidates; so at each of several points of a ray
-           // that bends much
-  kDefault,  // of the 3 nearest directions, 16 candidates; likewise
+  // By the atlas. In height fields over flat surfaces a march over the heights between the bounds that depths
+  // of the nearest direction set; else a search from depths, at each of several points of a ray that bends
+  // much.
+  kFast,     // steps of 2 texels, at most 16; depths of the nearest direction, at most 12 visits of a patch
+  kDefault,  // steps of 1 texel, at most 32; depths of the 3 nearest directions, at most 24 visits
   kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
 };
 inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault,
@@ -150,5 +151,11 @@ VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, con
 // On a flat surface without stretch.
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo);
+
+// Whether the straight view ray through x meets a height field (PackedGeometry::identity_parameterization)
+// above z = `lowest`; kFast or kDefault. Adds the texture instructions to *fetches, if it is not null.
+template <class T>
+bool heightFieldMet(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                    const LocalSurface<T>& surface, T lowest, int* fetches);
 
 }  // namespace loden

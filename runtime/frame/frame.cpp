@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <tuple>
 
 #include "material/base/issues.h"
@@ -36,6 +37,7 @@ struct ShadowRelief {
 struct PassProgram {
   std::string_view row;
   MaterialId material;
+  MaterialVariant variant;
   uint32_t program = 0;
   int changes = 0;
   int base_material = -1;  // whose textures are bound
@@ -47,7 +49,8 @@ enum class Faces { kFront, kBack, kAsMaterial };
 // A visible object.
 struct Drawable {
   int object = 0;
-  float distance = 0;  // of its bounds to the camera
+  float distance = 0;    // of its bounds to the camera
+  float lambda = -1e9f;  // none of its pixels shows a finer level, if that is known
 };
 
 SceneLight lightData(const Light& light) {
@@ -177,10 +180,14 @@ struct FrameRenderer::Impl {
   bool movesDepth(MaterialId id) const;
   std::optional<glm::vec3> shadowSun() const;
   MaterialVariant variantOf(MaterialId id) const;
+  MaterialVariant farVariantOf(const Drawable& drawable) const;
   ShadowRelief shadowRelief() const;
-  Status use(std::string_view row, MaterialId id, PassProgram& current);
+  Status use(std::string_view row, MaterialId id, const MaterialVariant& variant, PassProgram& current);
+  Status use(std::string_view row, MaterialId id, PassProgram& current) {
+    return use(row, id, id ? variantOf(id) : MaterialVariant{}, current);
+  }
   Status useForDepth(int object, PassProgram& current);
-  Status useForShading(int object, PassProgram& current);
+  Status useForShading(const Drawable& drawable, PassProgram& current);
   void bindBaseMaterial(int object, PassProgram& current) const;
   Status drawShadowMap();
   Status drawDepth();
@@ -209,12 +216,13 @@ void FrameRenderer::Impl::demandMaterials() {
   demanded.clear();
   if (settings.base_materials_only) return;
   std::vector<std::optional<float>> asked(scene.assets.size());
-  for (const Drawable& drawable : visible) {
+  for (Drawable& drawable : visible) {
     const Object& object = scene.objects[drawable.object];
     if (object.asset < 0) continue;
     const int side = materials.material(scene.assets[object.asset].material.id()).side;
     const float lambda =
         settings.lambda.value_or(demandLambda(view, object.bounds, object.periods_per_metre, side));
+    drawable.lambda = lambda;
     std::optional<float>& least = asked[object.asset];
     least = std::min(least.value_or(lambda), lambda);
   }
@@ -313,14 +321,26 @@ MaterialVariant FrameRenderer::Impl::variantOf(MaterialId id) const {
   return variant;
 }
 
-Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, PassProgram& current) {
-  if (current.program != 0 && current.row == row && current.material == id) return {};
-  const Result<uint32_t> program = shaders.program(row, id ? variantOf(id) : MaterialVariant{});
+// The same without what is too fine to be seen on the object. Its lambda has no upper bound, since pixels
+// that see a surface edge on ask for any; and it is that of most of the object, a level above which is taken
+// to be that of all.
+MaterialVariant FrameRenderer::Impl::farVariantOf(const Drawable& drawable) const {
+  const MaterialId id = materialOf(drawable.object);
+  if (settings.lambda_rule != LambdaRule::kFootprint && !settings.lambda) return variantOf(id);
+  return narrowed(variantOf(id), materials.material(id),
+                  {drawable.lambda - 1, std::numeric_limits<float>::max()});
+}
+
+Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, const MaterialVariant& variant,
+                                PassProgram& current) {
+  if (current.program != 0 && current.row == row && current.material == id && current.variant == variant)
+    return {};
+  const Result<uint32_t> program = shaders.program(row, variant);
   if (!program) return program.issue();
   if (current.program != *program) ++current.changes;
   glUseProgram(*program);
   if (id) materials.bind(id);
-  current = {row, id, *program, current.changes, -1};
+  current = {row, id, variant, *program, current.changes, -1};
   return {};
 }
 
@@ -347,7 +367,8 @@ Status FrameRenderer::Impl::useForDepth(int object, PassProgram& current) {
   return use(scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth", id, current);
 }
 
-Status FrameRenderer::Impl::useForShading(int object, PassProgram& current) {
+Status FrameRenderer::Impl::useForShading(const Drawable& drawable, PassProgram& current) {
+  const int object = drawable.object;
   const MaterialId id = materialOf(object);
   if (!id) {
     const bool follows = current.row == "scene_base";  // else a Loden material may hold the units
@@ -359,7 +380,8 @@ Status FrameRenderer::Impl::useForShading(int object, PassProgram& current) {
   const bool curved = scene.objects[object].curved && id && hasRelief(materials.variant(id));
   if (settings.heat != HeatMap::kNone) return use(curved ? "scene_heat_curved" : "scene_heat", id, current);
   if (movesDepth(id)) return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, current);
-  return use(curved ? "scene_forward_curved" : "scene_forward", id, current);
+  const MaterialVariant variant = farVariantOf(drawable);
+  return use(curved && hasRelief(variant) ? "scene_forward_curved" : "scene_forward", id, variant, current);
 }
 
 Status FrameRenderer::Impl::drawShadowMap() {
@@ -414,7 +436,7 @@ Status FrameRenderer::Impl::drawShaded() {
   PassProgram current;
   for (const Drawable& drawable : order) {
     if (alphaMode(drawable.object) == AlphaMode::kBlend) continue;
-    if (Status status = useForShading(drawable.object, current); !status) return status;
+    if (Status status = useForShading(drawable, current); !status) return status;
     drawObject(drawable.object);
     ++stats.draw_calls;
     stats.triangles += uint64_t(scene.meshes[scene.objects[drawable.object].mesh].index_count) / 3;
@@ -438,7 +460,7 @@ Status FrameRenderer::Impl::drawBlended() {
   glDepthMask(GL_FALSE);
   PassProgram current;
   for (const Drawable& drawable : order) {
-    if (Status status = useForShading(drawable.object, current); !status) return status;
+    if (Status status = useForShading(drawable, current); !status) return status;
     if (scene.objects[drawable.object].double_sided) drawObject(drawable.object, Faces::kBack);
     drawObject(drawable.object, Faces::kFront);
     ++stats.draw_calls;

@@ -116,6 +116,7 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
       variant.lookup = Lookup::kPaper;
     else if (has_geometry)
       variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
+    variant.height_field = hasRelief(variant) && material.geometry.identity_parameterization;
   }
   if (variant.near) variant.visibility = shownVisibility(*material.surface, variant, visibility);
   if (variant.visibility == Visibility::kMap) {
@@ -132,7 +133,6 @@ LodenMaterialData makeMaterialData(const Material& m) {
   LodenMaterialData data{};
   if (m.mean.chroma == MeanChroma::kRatio) data.bits |= LODEN_MEAN_RATIO;
   if (m.cosine_included) data.bits |= LODEN_COSINE_INCLUDED;
-  if (m.geometry.identity_parameterization) data.bits |= LODEN_IDENTITY;
   if (m.mode == Mode::kLod) data.bits |= LODEN_CLAMP_LAMBDA;
   if (m.surface && m.surface->lobe == Lobe::kGgx) data.bits |= LODEN_GGX;
   data.mean = {m.mean.ka, m.mean.kd, m.mean.ks, m.mean.alpha};

@@ -139,8 +139,10 @@ Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, i
   if (Status status = checkVdimWork(*image, size); !status) return status.issue();
   VdimAtlas atlas = buildVdimAtlas(*image, size, onThreads(threads, stop));
   LoadedPart part;
+  const Sampling sampling =
+      image->identity_parameterization ? Sampling::kRepeatLinear : Sampling::kRepeatNearest;
   part.textures.push_back(
-      {LODEN_UNIT_GEOMETRY, Sampling::kRepeatNearest, true, "geometry", std::move(atlas.geometry.texels)});
+      {LODEN_UNIT_GEOMETRY, sampling, true, "geometry", std::move(atlas.geometry.texels)});
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
     part.textures.push_back(

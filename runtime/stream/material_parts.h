@@ -54,7 +54,7 @@ struct PartTexture {
   int unit = 0;  // of shaders/loden_shared.h
   Sampling sampling = Sampling::kRepeatTrilinear;
   bool plain_2d =
-      false;  // a geometry image: GL_TEXTURE_2D of R32UI (shaders/loden_vdim.glsl) rather than an array
+      false;  // a geometry image: GL_TEXTURE_2D of R32UI or R16 (shaders/loden_interface.glsl) and no array
   const char* label = "";
   Texture texels;
 };

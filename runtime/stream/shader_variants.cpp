@@ -1,5 +1,7 @@
 #include "runtime/stream/shader_variants.h"
 
+#include <algorithm>
+
 #include "material/base/check.h"
 #include "shaders/loden_shared.h"
 
@@ -43,6 +45,7 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (by_map != (variant.shadow_quads > 0) || variant.shadow_quads > LODEN_MAX_SHADOW_QUADS) return false;
   if (by_map && !variant.near) return false;
   if (variant.visibility == Visibility::kDefault && variant.lookup != Lookup::kDefault) return false;
+  if (variant.height_field && !hasRelief(variant)) return false;
   const bool paper = variant.lookup == Lookup::kPaper;
   if (variant.near) return !variant.nearest_tables && variant.bands <= (paper ? 0 : kMostNearBands);
   // Nearest tables are those of published level-of-detail materials, in which nothing is read at p; and the
@@ -57,22 +60,45 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
   };
   addIfAllowed({});
   for (const Lookup lookup : kLookups) {
-    for (uint8_t bands = 0; bands <= kMostNearBands; ++bands) {
-      for (const Visibility visibility : {Visibility::kNone, Visibility::kFast, Visibility::kDefault})
-        addIfAllowed({true, bands, lookup, visibility});
-      for (uint8_t quads = 1; quads <= LODEN_MAX_SHADOW_QUADS; ++quads)
-        addIfAllowed({true, bands, lookup, Visibility::kMap, false, 0, quads});
+    for (const bool height_field : {false, true}) {
+      for (uint8_t bands = 0; bands <= kMostNearBands; ++bands) {
+        for (const Visibility visibility : {Visibility::kNone, Visibility::kFast, Visibility::kDefault})
+          addIfAllowed({true, bands, lookup, visibility, false, 0, 0, 0, height_field});
+        for (uint8_t quads = 1; quads <= LODEN_MAX_SHADOW_QUADS; ++quads)
+          addIfAllowed({true, bands, lookup, Visibility::kMap, false, 0, quads, 0, height_field});
+      }
+      for (const bool nearest : {false, true})
+        for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
+          addIfAllowed({false, bands, lookup, Visibility::kNone, nearest, 0, 0, 0, height_field});
     }
-    for (const bool nearest : {false, true})
-      for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
-        addIfAllowed({false, bands, lookup, Visibility::kNone, nearest});
   }
   return variants;
 }
 
+MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range) {
+  if (variant.bands == 0) return variant;
+  MaterialVariant left = variant;
+  if (variant.near && range.most <= skeleton.surface->fade_begin) {
+    left.bands = 0;
+    left.bound_bands = variant.bands;
+    return left;
+  }
+  if (variant.near && range.least >= skeleton.surface->fade_end) left.near = false;
+  const bool reads_p =
+      left.near || std::any_of(skeleton.bands.begin(), skeleton.bands.end(), [&](const Band& b) {
+        return b.domain == Domain::kFlat && range.least < b.window.out_end;
+      });
+  if (reads_p) return left;
+  left.lookup = Lookup::kNone;
+  left.visibility = Visibility::kNone;
+  left.height_field = false;
+  return left;
+}
+
 int unitsOf(const MaterialVariant& variant) {
   if (!variant.shadesMaterial()) return 0;
-  return LODEN_UNITS(variant.bands) + (variant.near ? 3 : 0) + (variant.shadow_quads > 0 ? 2 : 0);
+  const int bands = std::max(variant.bands, variant.bound_bands);
+  return LODEN_UNITS(bands) + (variant.near ? 3 : 0) + (variant.shadow_quads > 0 ? 2 : 0);
 }
 
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
@@ -83,9 +109,11 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   if (variant.shadow_quads > 0)
     defines.push_back("LODEN_VISIBILITY_MAP " + std::to_string(variant.shadow_quads));
   if (variant.bands > 0) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
+  if (variant.bound_bands > 0) defines.push_back("LODEN_BOUND_BANDS " + std::to_string(variant.bound_bands));
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
   if (variant.nearest_tables) defines.push_back("LODEN_TABLES_NEAREST 1");
   if (const char* define = lookupDefine(variant.lookup)) defines.push_back(define);
+  if (variant.height_field) defines.push_back("LODEN_HEIGHT_FIELD 1");
   return defines;
 }
 
@@ -96,9 +124,11 @@ std::string variantName(const MaterialVariant& variant) {
   if (variant.nearest_tables) name += "-nearest";
   name += "-";
   name += lookupName(variant.lookup);
+  if (variant.height_field) name += "-heights";
   if (variant.visibility != Visibility::kNone)
     name += std::string("-shadows-") + visibilityName(variant.visibility);
   if (variant.shadow_quads > 0) name += std::to_string(variant.shadow_quads);
+  if (variant.bound_bands > 0) name += "-of" + std::to_string(variant.bound_bands);
   if (variant.first_unit > 0) name += "-from" + std::to_string(variant.first_unit);
   return name;
 }

@@ -22,6 +22,10 @@ struct MaterialVariant {
   bool nearest_tables = false;                // tables of bands are read at the nearest sampled pair
   uint8_t first_unit = 0;                     // texture unit that the material's begin at
   uint8_t shadow_quads = 0;                   // of the shadow map; 0 unless visibility is kMap
+  // How many bands' textures are bound, of a variant that narrowed() left without some of what the material
+  // has; 0: as many as it shades.
+  uint8_t bound_bands = 0;
+  bool height_field = false;  // the lookup's geometry is one: R16 heights, p = P.xy
   bool shadesMaterial() const { return near || bands > 0; }
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };
@@ -40,7 +44,7 @@ struct ProgramRow {
 };
 
 inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
-inline constexpr std::string_view kFollowSurface = "SCENE_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
+inline constexpr std::string_view kFollowSurface = "LODEN_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
 
 inline constexpr std::string_view kHeat = "SCENE_HEAT 1";  // costs in place of looks
 inline constexpr std::string_view kCountFetches = "LODEN_COUNT_FETCHES 1";
@@ -100,6 +104,15 @@ inline constexpr ProgramRow kProgramRows[] = {
 
 // Whether the variant's lookup finds a depth below the reference plane.
 bool hasRelief(const MaterialVariant& variant);
+
+// The levels of detail that one draw asks for.
+struct LambdaRange {
+  float least, most;
+};
+// The variant for draws within that range: without the near term where its window is closed all over it,
+// without bands where it alone is open, and without a lookup where nothing is read at p. The same textures
+// and uniform block are bound as for the material's own variant.
+MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range);
 
 // Texture units that the material's textures take, from its first on (shaders/loden_shared.h).
 int unitsOf(const MaterialVariant& variant);

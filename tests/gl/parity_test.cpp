@@ -168,6 +168,7 @@ std::vector<glm::vec4> evaluateOnGpu(const Material& material, const std::vector
   if (way.environment) defines.push_back("ENVIRONMENT 1");
   if (way.curved) {
     const LocalSurface<float> surface = localSurface(way, material);
+    defines.push_back("LODEN_FOLLOW_SURFACE 1");
     defines.push_back("CURVATURE " + matrixText(surface.curvature));
     defines.push_back("X_FROM_TANGENT " + matrixText(surface.x_from_tangent));
   }

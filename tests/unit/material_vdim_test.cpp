@@ -156,7 +156,8 @@ TEST(PackedGeometry, KnowsWhichPatchesExist) {
     const GeometryImage image = encodeGeometryImage(8, points, charts, identity);
     const PackedGeometry packed = packGeometry(image);
     for (int i = 0; i < 8; ++i)
-      EXPECT_EQ(fetchPatch<float>(packed, i, 2).chart != 0, fetchPatch<float>(image, i, 2).chart != 0);
+      EXPECT_EQ(fetchPatch<float>(packed, i, 2).chart != 0,
+                identity || fetchPatch<float>(image, i, 2).chart != 0);  // heights have no holes
   }
 }
 
@@ -276,8 +277,8 @@ TEST(Vdim, DirectionGridRoundTrips) {
   for (double v = 0.03; v < 1; v += 0.09)
     for (double u = 0.03; u < 1; u += 0.09) {
       const glm::dvec2 back = vdimSquareFromView(vdimViewFromSquare({u, v}));
-      EXPECT_NEAR(back.x, u, 1e-6);  // atanh near its pole costs digits
-      EXPECT_NEAR(back.y, v, 1e-6);
+      EXPECT_NEAR(back.x, u, 2e-5);  // of the polynomial that stands for the arc tangent
+      EXPECT_NEAR(back.y, v, 2e-5);
     }
 }
 

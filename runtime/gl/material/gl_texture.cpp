@@ -14,7 +14,10 @@ struct GlFormat {
 };
 
 GlFormat glFormat(const PartTexture& part) {
-  // The packed geometry image: four bytes as one integer, so that one gather returns a whole patch.
+  // The packed geometry image (material/model/packed_geometry.h): all bytes of a texel in one channel, so
+  // that one gather returns a whole patch.
+  if (part.plain_2d && part.texels.format == TexelFormat::kRG8Unorm)
+    return {GL_R16, GL_RED, GL_UNSIGNED_SHORT};
   if (part.plain_2d) return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
   switch (part.texels.format) {
     case TexelFormat::kR8Unorm:

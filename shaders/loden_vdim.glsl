@@ -1,6 +1,6 @@
 // View-dependent indirection: p = VDIM(x, wo). Mirrors material/eval/vdim_lookup.cpp name for name.
-// Height fields over flat surfaces: one gather for 4 depths, between whose bounds a march samples the
-// heights, and one gather for the patch at its end. Elsewhere 1 or 3 gathers for 4 or 12 depths, then per
+// Height fields over flat surfaces: 1 or 3 gathers for 4 or 12 depths, between whose bounds a march samples
+// the heights, and one gather for the patch at its end. Elsewhere 1 or 3 gathers for 4 or 12 depths, then per
 // visit of a patch one gather, and per candidate depth one fetch. A ray that bends much does so for several
 // anchors.
 
@@ -20,9 +20,9 @@ const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 24, 1.0, 32.0);
 #endif
 
 const float LODEN_REACH = 3.0;               // texels that one visit may move by
-const float LODEN_INSIDE = 0.5;              // texels beyond a patch at which its extension still counts
+const float LODEN_INSIDE = 0.2;              // texels beyond a patch at which its extension still counts
 const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
-const int LODEN_EACH = 2;                    // visits for each candidate depth
+const int LODEN_EACH = 4;                    // visits for each candidate depth
 const int LODEN_BENT_EACH = 5;               // the same of a bent ray, whose direction changes on the way
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
@@ -348,15 +348,21 @@ struct LodenMarch {
   bool found;                  // false: none is below, and all of this is of the two lowest
 };
 
-// Between the bounds that depths of the nearest direction set, and not below `lowest`.
+// Between the bounds that depths of the nearest directions set, and not below `lowest`.
 LodenMarch loden_march(LodenViewRay ray, float lowest, LodenEffort effort) {
   float range = loden_material.geometry_range.z;
   LodenNearestLayers nearest = loden_nearest_layers(loden_material.atlas_directions,
                                                     loden_vdim_square_from_view(loden_view_along(ray.slope)));
   vec4 z = loden_gather_depths(nearest.index.x, ray.x);
+  vec4 high = z, low = z;
+  if (effort.layers > 1) {
+    vec4 z1 = loden_gather_depths(nearest.index.y, ray.x), z2 = loden_gather_depths(nearest.index.z, ray.x);
+    high = max(high, max(z1, z2));
+    low = min(low, min(z1, z2));
+  }
   lowest = max(lowest, -range);
-  float top = clamp(max(max(z.x, z.y), max(z.z, z.w)) + LODEN_MARGIN * range, lowest, 0.0);
-  float bottom = max(min(min(z.x, z.y), min(z.z, z.w)) - LODEN_MARGIN * range, lowest);
+  float top = clamp(max(max(high.x, high.y), max(high.z, high.w)) + LODEN_MARGIN * range, lowest, 0.0);
+  float bottom = max(min(min(low.x, low.y), min(low.z, low.w)) - LODEN_MARGIN * range, lowest);
   float travel = (top - bottom) * sqrt(dot(ray.slope, ray.slope)) * loden_material.geometry_side;
   float samples = clamp(ceil(travel / effort.texels), 2.0, effort.samples);
   float step_ = min(bottom - top, 0.0) / samples;

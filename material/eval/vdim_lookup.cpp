@@ -11,9 +11,9 @@ namespace loden {
 namespace {
 
 constexpr float kReach = 3;      // texels that one visit of a patch may move by
-constexpr float kInside = 0.5f;  // texels beyond a patch at which its extension still counts as the surface
+constexpr float kInside = 0.2f;  // texels beyond a patch at which its extension still counts as the surface
 constexpr float kBentResidual = 0.1f;  // texels between surface and bent ray at which they meet
-constexpr int kEach = 2;               // visits for each candidate depth
+constexpr int kEach = 4;               // visits for each candidate depth
 constexpr int kBentEach = 5;           // the same of a bent ray, whose direction changes on the way
 // Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
 constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
@@ -299,21 +299,25 @@ struct March {
   int fetches;
 };
 
-// Between the bounds that depths of the nearest direction set, and not below `lowest`.
+// Between the bounds that depths of the nearest directions set, and not below `lowest`.
 template <class T>
 March<T> marchDown(const VdimAtlas& atlas, const ViewRay<T>& ray, T lowest, const Effort& effort) {
   const T range = T(atlas.geometry.range.z);
   const NearestLayers<T> nearest =
       nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(ray.slope)));
-  const glm::vec<4, T> z = gatherDepths(atlas, nearest.index[0], ray.x);
+  T high = -range, low = 0;
+  for (int l = 0; l < effort.layers; ++l) {
+    const glm::vec<4, T> z = gatherDepths(atlas, nearest.index[l], ray.x);
+    high = std::max({high, z.x, z.y, z.z, z.w});
+    low = std::min({low, z.x, z.y, z.z, z.w});
+  }
   lowest = std::max(lowest, -range);
-  const T top =
-      std::clamp(std::max(std::max(z.x, z.y), std::max(z.z, z.w)) + T(kMargin) * range, lowest, T(0));
-  const T bottom = std::max(std::min(std::min(z.x, z.y), std::min(z.z, z.w)) - T(kMargin) * range, lowest);
+  const T top = std::clamp(high + T(kMargin) * range, lowest, T(0));
+  const T bottom = std::max(low - T(kMargin) * range, lowest);
   const T travel = (top - bottom) * std::sqrt(glm::dot(ray.slope, ray.slope)) * T(atlas.geometry.side());
   T samples = std::clamp(std::ceil(travel / T(effort.texels)), T(2), T(effort.samples));
   const T step = std::min(bottom - top, T(0)) / samples;
-  March<T> march{top, top, T(0), T(-1e-4) * range, false, 1};
+  March<T> march{top, top, T(0), T(-1e-4) * range, false, effort.layers};
   do {
     march.above = march.below, march.gap_above = march.gap_below;
     march.below += step;

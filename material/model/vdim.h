@@ -108,10 +108,10 @@ enum class Lookup : uint32_t {
   kNone,   // it is not: p = x
   kPaper,  // the published map, blended over directions, its reference unfiltered (FBTF 3.5); 2 fetches
   // By the atlas. In height fields over flat surfaces a march over the heights between the bounds that depths
-  // of the nearest direction set; else a search from depths, at each of several points of a ray that bends
+  // of the nearest directions set; else a search from depths, at each of several points of a ray that bends
   // much.
-  kFast,     // steps of 2 texels, at most 16; depths of the nearest direction, at most 12 visits of a patch
-  kDefault,  // steps of 1 texel, at most 32; depths of the 3 nearest directions, at most 24 visits
+  kFast,     // 1 direction; steps of 2 texels, at most 16, or at most 12 visits of a patch
+  kDefault,  // 3 directions; steps of 1 texel, at most 32, or at most 24 visits
   kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
 };
 inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault,

@@ -22,7 +22,8 @@ class ValidateCommand : public Command {
 
   void declare(Options& options) override {
     options.path("file", path_, "Asset (.loden) or scene (.gltf, .glb)");
-    options.flag("--list", list_, "Print every issue's number, name and meaning instead");
+    options.flag("--list", list_,
+                 "Print the number, name and meaning of every issue that this finds instead");
     options.footer("Numbers: 1xxx files, 2xxx container, 3xxx header, 4xxx bands and maps, 5xxx glTF.");
   }
 
@@ -63,9 +64,10 @@ class ValidateCommand : public Command {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     std::string text;
     for (const IssueKind& kind : kIssueKinds) {
+      if (kind.found_by != FoundBy::kValidate) continue;
       const std::string name(kind.name), summary(kind.summary);
       list.push_back({{"id", kind.id}, {"name", name}, {"summary", summary}});
-      text += formatted("%d %-18s %s\n", kind.id, name.c_str(), summary.c_str());
+      text += formatted("%d %-20s %s\n", kind.id, name.c_str(), summary.c_str());
     }
     if (globals.json)
       printJson("validate-list", {{"issues", list}});

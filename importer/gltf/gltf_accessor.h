@@ -19,7 +19,7 @@ class GltfBuffers {
   GltfBuffers(const GltfDocument& document, const std::filesystem::path& file)
       : document_(document), file_(file) {}
 
-  // Buffer i, which must exist; kGltfAccessor, kGltfPath or kCannotOpen if it cannot be opened.
+  // Buffer i, which must exist; kBufferSource, or the issues of GltfResource::open, if it cannot be opened.
   const Result<GltfResource>& at(size_t i);
 
  private:
@@ -28,6 +28,12 @@ class GltfBuffers {
   const GltfDocument& document_;
   const std::filesystem::path& file_;
   std::vector<std::optional<Result<GltfResource>>> opened_;
+};
+
+// What is wrong with an accessor or a buffer view: the issue's number, and words that follow its place.
+struct AccessorFault {
+  int id = 0;
+  std::string text;
 };
 
 // What an accessor's elements are; nothing if type, componentType or count are none of glTF's.
@@ -39,16 +45,19 @@ struct AccessorShape {
   int64_t elementBytes() const { return int64_t{component_bytes} * components; }
 };
 std::optional<AccessorShape> accessorShape(const nlohmann::ordered_json& accessor);
+// Why there is none: kAccessorType, kAccessorComponent or kAccessorCount.
+std::optional<AccessorFault> shapeFault(const nlohmann::ordered_json& accessor);
 
-// Why `count` elements of `element_bytes` from `offset` on do not lie inside the buffer view, or the view not
-// inside its buffer as that declares itself; empty if they do. All in 64 bits.
-std::string viewFault(const nlohmann::ordered_json& scene, int64_t view, int64_t offset, int64_t count,
-                      int64_t element_bytes);
+// Why `count` elements of `element_bytes` from `offset` on do not lie inside the buffer view; nothing if they
+// do. kAccessorView, kViewBuffer, kViewStride or kAccessorRange. All in 64 bits.
+std::optional<AccessorFault> viewFault(const nlohmann::ordered_json& scene, int64_t view, int64_t offset,
+                                       int64_t count, int64_t element_bytes);
 
 // Calls visit(element, component, value) for every number of the accessor's own view and then of what a
-// sparse accessor puts in its place. False, without a call, if the accessor does not lie inside its buffers;
-// an accessor without a view has zeros, which are not visited.
-bool visitAccessor(const nlohmann::ordered_json& scene, GltfBuffers& buffers, size_t accessor,
-                   const std::function<void(uint64_t element, int component, double value)>& visit);
+// sparse accessor puts in its place. A fault, without a call for what is faulty, if the accessor does not lie
+// inside its buffers; an accessor without a view has zeros, which are not visited.
+std::optional<AccessorFault> visitAccessor(
+    const nlohmann::ordered_json& scene, GltfBuffers& buffers, size_t accessor,
+    const std::function<void(uint64_t element, int component, double value)>& visit);
 
 }  // namespace loden::importer

@@ -28,18 +28,19 @@ void appendU32(std::string& bytes, uint32_t value) {
 // Splits a GLB; `json` points into `bytes`.
 Status splitGlb(std::string_view bytes, const std::string& name, std::string_view& json,
                 std::string& binary_chunk) {
-  const auto broken = [&](const std::string& text) { return issueAt(issue_id::kGltfParse, name, text); };
-  if (u32At(bytes, 4) != 2) return broken("GLB version is not 2");
+  const auto broken = [&](int id, const std::string& text) { return issueAt(id, name, text); };
+  if (u32At(bytes, 4) != 2) return broken(issue_id::kGlbVersion, "GLB version is not 2");
   if (u32At(bytes, 8) != bytes.size())
-    return broken("GLB header says " + std::to_string(u32At(bytes, 8)) + " bytes, the file has " +
-                  std::to_string(bytes.size()));
+    return broken(issue_id::kGlbLength, "GLB header says " + std::to_string(u32At(bytes, 8)) +
+                                            " bytes, the file has " + std::to_string(bytes.size()));
   size_t at = 12;
   for (int chunk = 0; at < bytes.size(); ++chunk) {
-    if (bytes.size() - at < 8) return broken("GLB ends inside a chunk header");
+    if (bytes.size() - at < 8) return broken(issue_id::kGlbTruncated, "GLB ends inside a chunk header");
     const uint32_t length = u32At(bytes, at), type = u32At(bytes, at + 4);
     if (length > bytes.size() - at - 8)
-      return broken("GLB chunk " + std::to_string(chunk) + " is longer than the file");
-    if (chunk == 0 && type != kJsonChunk) return broken("the first GLB chunk is not JSON");
+      return broken(issue_id::kGlbChunk, "GLB chunk " + std::to_string(chunk) + " is longer than the file");
+    if (chunk == 0 && type != kJsonChunk)
+      return broken(issue_id::kGlbNoJson, "the first GLB chunk is not JSON");
     if (chunk == 0) json = bytes.substr(at + 8, length);
     if (chunk == 1 && type == kBinaryChunk) binary_chunk = bytes.substr(at + 8, length);
     at += 8 + size_t{length};
@@ -80,7 +81,7 @@ class TypeCheck {
   bool expect(const Json& value, const std::string& place, bool (Json::*type)() const noexcept,
               const char* wanted) {
     if ((value.*type)()) return true;
-    issues.push_back(issueAt(issue_id::kGltfParse, name_ + ": " + place,
+    issues.push_back(issueAt(issue_id::kGltfType, name_ + ": " + place,
                              std::string("must be ") + wanted + ", not " + value.type_name()));
     return false;
   }
@@ -133,7 +134,7 @@ Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name) 
                            ? asset->value("version", nlohmann::ordered_json())
                            : nlohmann::ordered_json();
   if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
-    return issueAt(issue_id::kGltfParse, name + ": asset.version", "is not 2.x");
+    return issueAt(issue_id::kGltfVersion, name + ": asset.version", "is not 2.x");
   return document;
 }
 

@@ -23,7 +23,7 @@ Result<GltfResource> GltfResource::open(const std::string& uri, const fs::path& 
   if (isDataUri(uri)) {
     auto bytes = bytesOfDataUri(uri);
     if (!bytes)
-      return Issue{issue_id::kGltfParse, Severity::kError, where, "is a data uri of no base64, or damaged"};
+      return Issue{issue_id::kDataUri, Severity::kError, where, "is a data uri of no base64, or damaged"};
     return of(std::move(*bytes));
   }
   const auto path = confinedPath(folder, uri, where);

@@ -119,11 +119,11 @@ class Surveyor {
     const bool stored = object.contains("bufferView") || object.contains("sparse");
     if (!stored || isCompressed(object)) return {};
     std::vector<double> result(size_t(shape->count) * size_t(components));
-    const bool read =
+    const auto fault =
         visitAccessor(json_, buffers_, size_t(accessor), [&](uint64_t element, int component, double value) {
           result[element * uint64_t(components) + uint64_t(component)] = value * unit;
         });
-    return read ? result : std::vector<double>();
+    return fault ? std::vector<double>() : result;
   }
 
   bool isCompressed(const Json& accessor) const {

@@ -79,9 +79,9 @@ class SceneCheck {
       if (!buffer)
         issues_.push_back(buffer.issue());
       else if (declared < 1)
-        add(issue_id::kGltfAccessor, at("buffers", i), "has no byteLength");
+        add(issue_id::kBufferLength, at("buffers", i), "has no byteLength");
       else if (buffer->size() < static_cast<uint64_t>(declared))
-        add(issue_id::kGltfAccessor, at("buffers", i),
+        add(issue_id::kBufferShort, at("buffers", i),
             "has " + std::to_string(buffer->size()) + " bytes of the " + std::to_string(declared) +
                 " that it declares");
     }
@@ -92,7 +92,7 @@ class SceneCheck {
     const std::string* uri = uriOf(json_["buffers"][i]);
     if (uri && isDataUri(*uri) && !uri->starts_with("data:application/octet-stream;") &&
         !uri->starts_with("data:application/gltf-buffer;"))
-      add(issue_id::kGltfParse, at("buffers", i) + ".uri",
+      add(issue_id::kMediaType, at("buffers", i) + ".uri",
           "is of another media type than application/octet-stream and application/gltf-buffer");
   }
 
@@ -111,12 +111,13 @@ class SceneCheck {
       const int64_t offset =
           view.is_object() && view.contains("byteOffset") ? integerMember(view, "byteOffset") : 0;
       if (buffer < 0 || static_cast<size_t>(buffer) >= arraySize(json_, "buffers")) {
-        add(issue_id::kGltfAccessor, at("bufferViews", i), "names no existing buffer");
+        add(issue_id::kViewBuffer, at("bufferViews", i), "names no existing buffer");
         continue;
       }
       const int64_t size = integerMember(json_["buffers"][buffer], "byteLength");
+      if (size < 1) continue;  // said by checkBuffers
       if (offset < 0 || length < 1 || length > size || offset > size - length)
-        add(issue_id::kGltfAccessor, at("bufferViews", i), "does not lie inside its buffer");
+        add(issue_id::kViewRange, at("bufferViews", i), "does not lie inside its buffer");
     }
   }
 
@@ -125,18 +126,20 @@ class SceneCheck {
       const Json& accessor = json_["accessors"][i];
       const auto shape = accessorShape(accessor);
       if (!shape) {
-        add(issue_id::kGltfAccessor, at("accessors", i), "has an invalid type, componentType or count");
+        if (const auto fault = shapeFault(accessor)) add(fault->id, at("accessors", i), fault->text);
         continue;
       }
       if (accessor.contains("bufferView")) {
         const int64_t offset = accessor.contains("byteOffset") ? integerMember(accessor, "byteOffset") : 0;
-        const std::string fault = viewFault(json_, integerMember(accessor, "bufferView"), offset,
-                                            shape->count, shape->elementBytes());
-        if (!fault.empty()) add(issue_id::kGltfAccessor, at("accessors", i), fault);
+        const auto fault = viewFault(json_, integerMember(accessor, "bufferView"), offset, shape->count,
+                                     shape->elementBytes());
+        if (fault && fault->id != issue_id::kViewBuffer)  // which checkBufferViews has said
+          add(fault->id, at("accessors", i), fault->text);
+        if (fault) continue;
       }
-      if (accessor.contains("sparse") && !visitAccessor(json_, buffers_, i, [](uint64_t, int, double) {}))
-        add(issue_id::kGltfAccessor, at("accessors", i) + ".sparse",
-            "does not lie inside its bufferViews, or names elements that are not there");
+      if (accessor.contains("sparse"))
+        if (const auto fault = visitAccessor(json_, buffers_, i, [](uint64_t, int, double) {}))
+          add(fault->id, at("accessors", i) + ".sparse", fault->text);
     }
   }
 
@@ -149,19 +152,23 @@ class SceneCheck {
     return (*root)["assets"];
   }
 
+  bool hasRootExtension() const {
+    return json_.contains("extensions") && json_["extensions"].is_object() &&
+           json_["extensions"].contains(kExtensionName) && json_["extensions"][kExtensionName].is_object();
+  }
+
   void checkAssets() {
     const Json& assets = rootAssets();
-    if (json_.contains("extensions") && json_["extensions"].is_object() &&
-        json_["extensions"].contains(kExtensionName) && json_["extensions"][kExtensionName].is_object() &&
-        !json_["extensions"][kExtensionName].contains("assets"))
-      add(issue_id::kGltfExtension, std::string("extensions.") + kExtensionName, "needs an array \"assets\"");
+    if (hasRootExtension() && !json_["extensions"][kExtensionName].contains("assets"))
+      add(issue_id::kExtensionAssets, std::string("extensions.") + kExtensionName,
+          "needs an array \"assets\"");
     for (size_t i = 0; i < assets.size(); ++i) {
       const std::string place = "extensions." + std::string(kExtensionName) + "." + at("assets", i);
       const Json& asset = assets[i];
       const bool by_uri = asset.is_object() && asset.contains("uri") && asset["uri"].is_string();
       const bool by_view = asset.is_object() && asset.contains("bufferView");
       if (by_uri == by_view)
-        add(issue_id::kGltfExtension, place, "needs either a uri or a bufferView");
+        add(issue_id::kAssetSource, place, "needs either a uri or a bufferView");
       else if (by_uri)
         checkFile(asset["uri"].get<std::string>(), place);
       else
@@ -181,10 +188,10 @@ class SceneCheck {
 
   void checkEmbedded(const Json& asset, const std::string& place) {
     if (!asset.contains("mimeType") || asset["mimeType"] != kAssetMimeType)
-      add(issue_id::kGltfExtension, place, std::string("mimeType must be ") + kAssetMimeType);
+      add(issue_id::kAssetMediaType, place, std::string("mimeType must be ") + kAssetMimeType);
     const int64_t view = integerMember(asset, "bufferView");
     if (view < 0 || static_cast<size_t>(view) >= arraySize(json_, "bufferViews")) {
-      add(issue_id::kGltfExtension, place, "names no existing bufferView");
+      add(issue_id::kAssetView, place, "names no existing bufferView");
       return;
     }
     const Json& buffer_view = json_["bufferViews"][view];
@@ -232,12 +239,12 @@ class SceneCheck {
       const std::string place = at("materials", m) + "." + kExtensionName;
       const int64_t asset = integerMember(extension, "asset");
       if (asset < 0 || static_cast<size_t>(asset) >= rootAssets().size())
-        add(issue_id::kGltfExtension, place + ".asset", "names no asset of the root extension");
+        add(issue_id::kMaterialAsset, place + ".asset", "names no asset of the root extension");
       if (!extension.is_object()) continue;
       if (extension.contains("scale") && !isScale(extension["scale"]))
-        add(issue_id::kGltfExtension, place + ".scale", "must be two finite numbers other than 0");
+        add(issue_id::kMaterialScale, place + ".scale", "must be two finite numbers other than 0");
       if (extension.contains("rotation") && !extension["rotation"].is_number())
-        add(issue_id::kGltfExtension, place + ".rotation", "must be a number, radians");
+        add(issue_id::kMaterialRotation, place + ".rotation", "must be a number, radians");
       checkTexCoord(extension, static_cast<int64_t>(m), place);
     }
   }
@@ -245,24 +252,24 @@ class SceneCheck {
   void checkTexCoord(const Json& extension, int64_t material, const std::string& place) {
     const int64_t set = extension.contains("texCoord") ? integerMember(extension, "texCoord") : 0;
     if (set < 0 || set > 15) {
-      add(issue_id::kGltfExtension, place + ".texCoord", "must be an integer from 0 to 15");
+      add(issue_id::kTexCoord, place + ".texCoord", "must be an integer from 0 to 15");
       return;
     }
     const std::string attribute = "TEXCOORD_" + std::to_string(set);
     for (const std::string& primitive : primitivesWithout(json_, material, attribute))
-      add(issue_id::kGltfExtension, primitive, "has no " + attribute + ", which its material asks for");
+      add(issue_id::kTexCoordMissing, primitive, "has no " + attribute + ", which its material asks for");
   }
 
   void checkDeclared() {
-    if (uses_ == 0 && rootAssets().empty()) {
-      add(issue_id::kGltfExtension, "materials", std::string("none uses ") + kExtensionName, Severity::kNote);
+    if (uses_ == 0 && !hasRootExtension()) {
+      add(issue_id::kUnused, "materials", std::string("none uses ") + kExtensionName, Severity::kNote);
       return;
     }
     bool declared = false;
     for (size_t i = 0; i < arraySize(json_, "extensionsUsed"); ++i)
       declared |= json_["extensionsUsed"][i] == kExtensionName;
     if (!declared)
-      add(issue_id::kGltfExtension, "extensionsUsed", std::string("does not list ") + kExtensionName);
+      add(issue_id::kUndeclared, "extensionsUsed", std::string("does not list ") + kExtensionName);
   }
 
   const fs::path& path_;

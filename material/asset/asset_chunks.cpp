@@ -38,7 +38,7 @@ bool checkPreamble(std::span<const std::byte> bytes, IssueList& issues) {
     return false;
   }
   if (bytes.size() < kPreambleBytes) {
-    issues.add(issue_id::kTruncated, "", "the file ends inside its preamble");
+    issues.add(issue_id::kPreambleTruncated, "", "the file ends inside its preamble; copy it again");
     return false;
   }
   ByteCursor in(bytes.subspan(kMagic.size()));
@@ -58,26 +58,26 @@ ChunkInfo readEntry(ByteCursor& in, size_t index, IssueList& issues) {
   chunk.stored_bytes = in.u64();
   chunk.raw_bytes = in.u64();
   chunk.hash = in.u64();
-  issues.require(reserved == 0, issue_id::kChunkTable, chunkPlace(index, chunk.type),
+  issues.require(reserved == 0, issue_id::kChunkReserved, chunkPlace(index, chunk.type),
                  "a reserved field is not zero");
   return chunk;
 }
 
 // One entry by itself.
 void checkEntry(const ChunkInfo& chunk, const std::string& place, IssueList& issues) {
-  issues.require((chunk.flags & ~kFlagCritical) == 0, issue_id::kChunkTable, place, "unknown flags ",
+  issues.require((chunk.flags & ~kFlagCritical) == 0, issue_id::kChunkFlags, place, "unknown flags ",
                  chunk.flags);
   issues.require(chunk.codec <= kCodecZstd, issue_id::kChunkCodec, place, "unknown codec ", chunk.codec);
-  issues.require(chunk.stored_bytes > 0 && chunk.raw_bytes > 0, issue_id::kChunkTable, place,
+  issues.require(chunk.stored_bytes > 0 && chunk.raw_bytes > 0, issue_id::kChunkEmpty, place,
                  "the chunk is empty");
   const uint64_t most = Limits::kMaxChunkBytes;
   const bool fits = chunk.stored_bytes <= most && chunk.raw_bytes <= most;
-  issues.require(fits, issue_id::kLimit, place, "a size is beyond the limit of ", most, " bytes");
-  if (!fits) return;
-  issues.require(chunk.raw_bytes <= chunk.stored_bytes * Limits::kMaxRatio, issue_id::kLimit, place,
-                 "raw : stored is above ", Limits::kMaxRatio);
-  issues.require(chunk.codec != kCodecStored || chunk.raw_bytes == chunk.stored_bytes, issue_id::kChunkTable,
+  issues.require(fits, issue_id::kChunkBytes, place, "a size is beyond the limit of ", most, " bytes");
+  if (!fits || chunk.stored_bytes == 0) return;
+  issues.require(chunk.codec != kCodecStored || chunk.raw_bytes == chunk.stored_bytes, issue_id::kStoredSize,
                  place, "a chunk that is not compressed has two different sizes");
+  issues.require(chunk.codec != kCodecZstd || chunk.raw_bytes <= chunk.stored_bytes * Limits::kMaxRatio,
+                 issue_id::kChunkRatio, place, "raw : stored is above ", Limits::kMaxRatio);
 }
 
 // Chunks follow each other in table order, with less than one alignment of padding between them.
@@ -87,13 +87,13 @@ void checkOffsets(std::span<const ChunkInfo> chunks, IssueList& issues) {
     const ChunkInfo& chunk = chunks[i];
     const std::string place = chunkPlace(i, chunk.type);
     if (chunk.offset % Limits::kAlignment != 0) {
-      issues.add(issue_id::kChunkTable, place,
+      issues.add(issue_id::kChunkAlignment, place,
                  join("offset ", chunk.offset, " is not a multiple of ", Limits::kAlignment));
     } else if (chunk.offset < expected) {
       issues.add(issue_id::kOverlap, place,
                  join("offset ", chunk.offset, " overlaps what stands before ", expected));
     } else if (chunk.offset > expected) {
-      issues.add(issue_id::kPadding, place, join("a gap from ", expected, " to offset ", chunk.offset));
+      issues.add(issue_id::kGap, place, join("a gap from ", expected, " to offset ", chunk.offset));
     }
     expected = alignUp(expected + std::min<uint64_t>(chunk.stored_bytes, Limits::kMaxChunkBytes));
   }
@@ -107,12 +107,12 @@ Result<std::vector<std::byte>> decompress(std::span<const std::byte> stored, uin
                                           const std::string& where) {
   if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != raw_bytes ||
       ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size()) {
-    return chunkIssue(issue_id::kChunkCodec, where, "not one zstd frame of the raw size");
+    return chunkIssue(issue_id::kZstdFrame, where, "not one zstd frame of the raw size");
   }
   std::vector<std::byte> raw(raw_bytes);
   const size_t got = ZSTD_decompress(raw.data(), raw.size(), stored.data(), stored.size());
   if (ZSTD_isError(got) || got != raw_bytes) {
-    return chunkIssue(issue_id::kChunkCodec, where, "the zstd frame is damaged");
+    return chunkIssue(issue_id::kZstdDamaged, where, "the zstd frame is damaged");
   }
   return raw;
 }
@@ -121,13 +121,12 @@ Result<std::vector<std::byte>> decompress(std::span<const std::byte> stored, uin
 
 Result<std::vector<std::byte>> packChunk(std::span<const std::byte> raw, ChunkInfo& chunk) {
   if (raw.size() > Limits::kMaxChunkBytes) {
-    return chunkIssue(issue_id::kLimit, chunkName(chunk.type),
+    return chunkIssue(issue_id::kChunkBytes, chunkName(chunk.type),
                       join(raw.size(), " bytes; the limit is ", Limits::kMaxChunkBytes));
   }
   std::vector<std::byte> stored(ZSTD_compressBound(raw.size()));
   const size_t got = ZSTD_compress(stored.data(), stored.size(), raw.data(), raw.size(), kZstdLevel);
-  if (ZSTD_isError(got))
-    return chunkIssue(issue_id::kChunkCodec, chunkName(chunk.type), ZSTD_getErrorName(got));
+  if (ZSTD_isError(got)) return chunkIssue(issue_id::kMemory, chunkName(chunk.type), ZSTD_getErrorName(got));
   const bool worth_it = got < raw.size() && raw.size() <= uint64_t{got} * Limits::kMaxRatio;
   if (worth_it) {
     stored.resize(got);
@@ -172,24 +171,25 @@ std::vector<ChunkInfo> readChunkTable(const ByteSource& source, IssueList& issue
   const uint32_t count = in.u32(), reserved = in.u32();
   const uint64_t hash = in.u64();
   if (count == 0 || count > Limits::kMaxChunks) {
-    issues.add(issue_id::kLimit, "chunk table", join(count, " chunks are not in 1..", Limits::kMaxChunks));
+    issues.add(issue_id::kChunkCount, "chunk table",
+               join(count, " chunks are not in 1..", Limits::kMaxChunks));
     return {};
   }
   if (in.left() < count * kEntryBytes) {
-    issues.add(issue_id::kTruncated, "chunk table", "the file ends inside the table");
+    issues.add(issue_id::kTableTruncated, "chunk table", "the file ends inside the table; copy it again");
     return {};
   }
-  issues.require(hash == tableHash(std::span(bytes).first(tableEnd(count))), issue_id::kChunkChecksum,
-                 "chunk table", "the checksum does not match");
-  issues.require(reserved == 0, issue_id::kChunkTable, "chunk table", "a reserved field is not zero");
+  issues.require(hash == tableHash(std::span(bytes).first(tableEnd(count))), issue_id::kTableChecksum,
+                 "chunk table", "the checksum does not match; the file is damaged");
+  issues.require(reserved == 0, issue_id::kTableReserved, "chunk table", "a reserved field is not zero");
   std::vector<ChunkInfo> chunks(count);
   uint64_t raw_bytes = 0;
   for (size_t i = 0; i < count; ++i) {
     chunks[i] = readEntry(in, i, issues);
     checkEntry(chunks[i], chunkPlace(i, chunks[i].type), issues);
-    raw_bytes += std::min<uint64_t>(chunks[i].raw_bytes, Limits::kMaxChunkBytes);
+    if (chunks[i].raw_bytes <= Limits::kMaxChunkBytes) raw_bytes += chunks[i].raw_bytes;
   }
-  issues.require(raw_bytes <= Limits::kMaxAssetBytes, issue_id::kLimit, "chunk table", raw_bytes,
+  issues.require(raw_bytes <= Limits::kMaxAssetBytes, issue_id::kAssetBytes, "chunk table", raw_bytes,
                  " raw bytes in all; the limit is ", Limits::kMaxAssetBytes);
   checkOffsets(chunks, issues);
   return chunks;
@@ -223,7 +223,7 @@ Result<std::vector<std::byte>> readRaw(const ByteSource& source, const ChunkInfo
   // The table's own check has said so too, but a best-effort reader comes here all the same.
   const bool sizes_fit = chunk.raw_bytes <= Limits::kMaxChunkBytes &&
                          (chunk.codec != kCodecStored || chunk.raw_bytes == chunk.stored_bytes);
-  if (!sizes_fit) return chunkIssue(issue_id::kChunkTable, where, "the chunk's sizes contradict each other");
+  if (!sizes_fit) return chunkIssue(issue_id::kStoredSize, where, "the chunk's sizes contradict each other");
   Result<std::vector<std::byte>> stored = readStored(source, chunk, where);
   if (!stored || chunk.codec == kCodecStored) return stored;
   return decompress(*stored, chunk.raw_bytes, where);

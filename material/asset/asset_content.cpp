@@ -24,7 +24,8 @@ void checkTypes(std::span<const ChunkInfo> chunks, IssueList& issues) {
       issues.require(!critical, issue_id::kUnknownCritical, place,
                      "unknown, and marked as critical; use a newer Loden");
     } else {
-      issues.require(critical == (chunks[i].type != kMeta), issue_id::kChunkTable, place,
+      const bool optional = chunks[i].type == kMeta;
+      issues.require(critical != optional, optional ? issue_id::kMetaCritical : issue_id::kNotCritical, place,
                      "wrong critical flag");
     }
   }
@@ -59,11 +60,11 @@ bool readHeader(const ByteSource& source, Contents& contents, IssueList& issues)
   const ChunkInfo& chunk = contents.chunks.front();
   const std::string place = chunkPlace(0, chunk.type);
   if (chunk.type != kHead) {
-    issues.add(issue_id::kMissingChunk, place, "the first chunk is not HEAD");
+    issues.add(issue_id::kNoHead, place, "the first chunk is not HEAD");
     return false;
   }
   if (chunk.raw_bytes > Limits::kMaxHeadBytes) {
-    issues.add(issue_id::kLimit, place,
+    issues.add(issue_id::kHeadBytes, place,
                join(chunk.raw_bytes, " raw bytes; the limit is ", Limits::kMaxHeadBytes));
     return false;
   }
@@ -160,7 +161,7 @@ std::vector<std::byte> readTexels(const ByteSource& source, const ChunkInfo& chu
 void loadMeta(const ByteSource& source, const ChunkInfo& chunk, const std::string& place, Material& material,
               IssueList& issues) {
   if (chunk.raw_bytes > Limits::kMaxMetaBytes) {
-    return issues.add(issue_id::kLimit, place,
+    return issues.add(issue_id::kMetaBytes, place,
                       join(chunk.raw_bytes, " raw bytes; the limit is ", Limits::kMaxMetaBytes));
   }
   const Result<std::vector<std::byte>> raw = readRaw(source, chunk, issues.where(place));

@@ -108,18 +108,18 @@ class HeaderReader {
     material.views = readDirections("views");
     readBands(material);
     readMaps(material, parts);
-    material.name = in_.text(count(Limits::kMaxNameBytes, 1, "name_bytes"));
+    material.name = in_.text(count(Limits::kMaxNameBytes, 1, "name_bytes", issue_id::kNameBytes));
     if (!failed_) {
-      issues_.require(in_.ok(), issue_id::kHeaderField, "HEAD", "the record ends early");
-      issues_.require(in_.left() == 0, issue_id::kTrailing, "HEAD", in_.left(),
+      issues_.require(in_.ok(), issue_id::kHeadTruncated, "HEAD", "the record ends early");
+      issues_.require(in_.left() == 0, issue_id::kHeadTrailing, "HEAD", in_.left(),
                       " bytes stand behind the record");
     }
     return material;
   }
 
  private:
-  void fail(const std::string& text) {
-    issues_.add(issue_id::kHeaderField, "HEAD", text);
+  void fail(int id, const std::string& text) {
+    issues_.add(id, "HEAD", text);
     failed_ = true;
     in_.bytes(in_.left());
   }
@@ -129,22 +129,20 @@ class HeaderReader {
 
   bool boolean(const char* field) {
     const uint32_t value = in_.u32();
-    if (value > 1) fail(join(field, " is ", value, ", not 0 or 1"));
+    if (value > 1) fail(issue_id::kBoolean, join(field, " is ", value, ", not 0 or 1"));
     return value == 1;
   }
 
-  // How many items of at least `item_bytes` follow; 0 after a failure.
-  uint32_t count(uint32_t limit, size_t item_bytes, const char* field) {
+  // How many items of at least `item_bytes` follow; 0 after a failure. `id`: the issue of more than `limit`.
+  uint32_t count(uint32_t limit, size_t item_bytes, const char* field, int id) {
     const uint32_t value = in_.u32();
     if (failed_) return 0;
     if (value > limit) {
-      issues_.add(issue_id::kLimit, "HEAD", join(field, " is ", value, "; the limit is ", limit));
-      failed_ = true;
-      in_.bytes(in_.left());
+      fail(id, join(field, " is ", value, "; the limit is ", limit));
       return 0;
     }
     if (value > in_.left() / item_bytes) {
-      fail(join(field, " is ", value, ", more than the record holds"));
+      fail(issue_id::kHeadCount, join(field, " is ", value, ", more than the record holds"));
       return 0;
     }
     return value;
@@ -160,7 +158,7 @@ class HeaderReader {
   uint32_t readPartBits() {
     const uint32_t bits = in_.u32();
     constexpr uint32_t kKnown = kPartGeometry | kPartStoredVdim | kPartSurface;
-    if ((bits & ~kKnown) != 0) fail(join("parts has unknown bits: ", bits));
+    if ((bits & ~kKnown) != 0) fail(issue_id::kParts, join("parts has unknown bits: ", bits));
     return bits;
   }
 
@@ -168,7 +166,7 @@ class HeaderReader {
     DirectionSet set;
     set.kind = static_cast<DirectionSetKind>(in_.u32());
     set.side = integer();
-    set.samples.resize(count(Limits::kMaxDirections, 3 * sizeof(double), field));
+    set.samples.resize(count(Limits::kMaxDirections, 3 * sizeof(double), field, issue_id::kDirectionCount));
     for (glm::dvec3& sample : set.samples) {
       for (int axis = 0; axis < 3; ++axis) sample[axis] = in_.f64();
     }
@@ -201,8 +199,9 @@ class HeaderReader {
     for (float* edge : {&window.in_begin, &window.in_end, &window.out_begin, &window.out_end})
       *edge = in_.f32();
     band.lambda_first = in_.f32();
-    const uint32_t y_quads = count(Limits::kMaxQuads, sizeof(glm::vec4), "y_quads");
-    const uint32_t chroma_quads = count(Limits::kMaxQuads, sizeof(glm::vec4), "chroma_quads");
+    const uint32_t y_quads = count(Limits::kMaxQuads, sizeof(glm::vec4), "y_quads", issue_id::kQuadCount);
+    const uint32_t chroma_quads =
+        count(Limits::kMaxQuads, sizeof(glm::vec4), "chroma_quads", issue_id::kQuadCount);
     band.y_quads = static_cast<int>(y_quads);
     band.chroma_quads = static_cast<int>(chroma_quads);
     band.ratio = boolean("ratio");
@@ -218,7 +217,7 @@ class HeaderReader {
   // The record has the coarsest first, the material the finest.
   void readBands(Material& material) {
     constexpr size_t kLeastBandBytes = 100;
-    material.bands.resize(count(Limits::kMaxBands, kLeastBandBytes, "bands"));
+    material.bands.resize(count(Limits::kMaxBands, kLeastBandBytes, "bands", issue_id::kBandCount));
     for (auto band = material.bands.rbegin(); band != material.bands.rend(); ++band) *band = readBand();
   }
 

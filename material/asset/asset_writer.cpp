@@ -26,7 +26,7 @@ void checkWritable(const Material& material, const std::vector<Part>& parts, Iss
   checkMeta(material.meta_json, issues);
   uint64_t raw_bytes = 0;
   for (const Part& part : parts) raw_bytes += partBytes(material, part);
-  issues.require(raw_bytes <= AssetLimits::kMaxAssetBytes, issue_id::kLimit, "", raw_bytes,
+  issues.require(raw_bytes <= AssetLimits::kMaxAssetBytes, issue_id::kAssetBytes, "", raw_bytes,
                  " bytes of texels; the limit is ", AssetLimits::kMaxAssetBytes);
   for (const Part& part : parts) checkPartTexels(material, part, chunkName(part.type), issues);
 }

@@ -304,14 +304,15 @@ Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size) {
       ++columns[columnAt(0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11))];
     }
   work *= double(size.directions) * size.directions;
-  const auto issue = [](const char* text) {
-    return Issue{issue_id::kMapField, Severity::kError, "geometry image", text};
+  const auto issue = [](int id, const char* text) {
+    return Issue{id, Severity::kError, "geometry image", text};
   };
   if (work > double(kMaxVdimWork))
     return issue(
+        issue_id::kAtlasWork,
         "its surface is torn in so many places that an atlas of this size would take minutes to build");
   if (!image.identity_parameterization && *std::max_element(columns.begin(), columns.end()) > kMaxVdimColumn)
-    return issue("nearly all of its surface is in one place");
+    return issue(issue_id::kAtlasColumn, "nearly all of its surface is in one place");
   return {};
 }
 

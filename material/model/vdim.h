@@ -79,7 +79,7 @@ glm::dvec3 vdimViewFromSquare(glm::dvec2 square);
 inline constexpr uint64_t kMaxVdimWork = uint64_t{1} << 32;
 inline constexpr uint64_t kMaxVdimColumn = uint64_t{1} << 18;
 // Whether an atlas of that size may be built from the image; what it costs is estimated in one pass over the
-// patches. Issues: kMapField.
+// patches. Issues: kAtlasWork, kAtlasColumn.
 Status checkVdimWork(const GeometryImage& image, VdimAtlasSize size);
 
 // The atlas of an image, which if it comes from elsewhere must have passed checkVdimWork. A piece of work is

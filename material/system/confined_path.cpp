@@ -34,9 +34,8 @@ std::optional<std::string> percentDecoded(std::string_view uri) {
   return text;
 }
 
-Issue refusal(std::string_view uri, const std::string& where, const std::string& why) {
-  return {issue_id::kGltfPath, Severity::kError, where,
-          "uri \"" + std::string(uri.substr(0, 200)) + "\" " + why};
+Issue refusal(int id, std::string_view uri, const std::string& where, const std::string& why) {
+  return {id, Severity::kError, where, "uri \"" + std::string(uri.substr(0, 200)) + "\" " + why};
 }
 
 bool isInside(const fs::path& folder, const fs::path& path) {
@@ -49,13 +48,14 @@ bool isInside(const fs::path& folder, const fs::path& path) {
 Result<fs::path> relativePathOfUri(std::string_view uri, const std::string& where) {
   const std::optional<std::string> text = percentDecoded(uri);
   if (!text || text->empty() || text->find('\\') != std::string::npos)
-    return refusal(uri, where, "is not a valid relative URI");
+    return refusal(issue_id::kUriSyntax, uri, where, "is not a valid relative URI");
   const size_t colon = uri.find(':');
   const fs::path path = fs::path(*text).lexically_normal();
   if ((colon != std::string_view::npos && colon < uri.find('/')) || path.is_absolute())
-    return refusal(uri, where, "names no file beside the document: make it relative");
+    return refusal(issue_id::kUriAbsolute, uri, where, "names no file beside the document: make it relative");
   if (path.empty() || *path.begin() == "..")
-    return refusal(uri, where, "leads outside the document's folder: move the file into it");
+    return refusal(issue_id::kGltfPath, uri, where,
+                   "leads outside the document's folder: move the file into it");
   return path;
 }
 
@@ -64,10 +64,11 @@ Result<fs::path> confinedPath(const fs::path& folder, std::string_view uri, cons
   if (!relative) return relative.issue();
   std::error_code error;
   const fs::path base = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
-  if (error) return refusal(uri, where, "stands in a folder that cannot be resolved");
+  if (error) return refusal(issue_id::kGltfPath, uri, where, "stands in a folder that cannot be resolved");
   const fs::path path = fs::weakly_canonical(base / *relative, error);
   if (error || !isInside(base, path))
-    return refusal(uri, where, "leads outside the document's folder: move the file into it");
+    return refusal(issue_id::kGltfPath, uri, where,
+                   "leads outside the document's folder: move the file into it");
   return path;
 }
 

@@ -1,92 +1,32 @@
 // Every issue that the container can raise, each provoked by an input, in writer and reader alike.
-#define XXH_INLINE_ALL
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <functional>
-#include <limits>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
 
 #include "material/asset/asset.h"
-#include "material/asset/asset_check.h"
-#include "material/asset/asset_chunks.h"
 #include "material/asset/asset_header.h"
 #include "material/base/issue_table.h"
 #include "material/base/issues.h"
 #include "material/system/asset_io.h"
+#include "tests/unit/asset_faults.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {
 namespace {
 
 using namespace asset;  // NOLINT: forges files from the container's own pieces
-using Bytes = std::vector<std::byte>;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-struct RawChunk {
-  uint32_t type;
-  Bytes raw;
-  uint32_t flags = kFlagCritical;
-};
-
-// The chunks of a material as the writer would lay them out, without its checks.
-std::vector<RawChunk> rawChunks(const Material& material) {
-  std::vector<RawChunk> chunks;
-  for (const Part& part : partsOf(material)) {
-    RawChunk chunk{part.type, {}};
-    if (part.type == kHead) chunk.raw = encodeHeader(material);
-    if (part.type == kMeta) {
-      const auto text = std::as_bytes(std::span(material.meta_json));
-      chunk = {kMeta, {text.begin(), text.end()}, 0};
-    }
-    if (part.share != Part::Share::kWhole)
-      chunk.raw = gatherTexels(material, part);
-    else
-      for (const Texture* t : partTextures(material, part))
-        chunk.raw.insert(chunk.raw.end(), t->data.begin(), t->data.end());
-    chunks.push_back(std::move(chunk));
-  }
-  return chunks;
-}
-
-Bytes assemble(const std::vector<RawChunk>& raw,
-               const std::function<void(std::vector<ChunkInfo>&)>& forge = {}, bool stored_only = false) {
-  std::vector<ChunkInfo> chunks;
-  std::vector<Bytes> stored;
-  for (const RawChunk& chunk : raw) {
-    ChunkInfo info{chunk.type, chunk.flags};
-    stored.push_back(std::move(*packChunk(chunk.raw, info)));
-    if (stored_only) {
-      stored.back() = chunk.raw;
-      info.codec = kCodecStored;
-      info.stored_bytes = chunk.raw.size();
-      info.hash = XXH3_64bits(chunk.raw.data(), chunk.raw.size());
-    }
-    chunks.push_back(info);
-  }
-  uint64_t offset = alignUp(kPreambleBytes + chunks.size() * kEntryBytes);
-  for (ChunkInfo& chunk : chunks) {
-    chunk.offset = offset;
-    offset = alignUp(offset + chunk.stored_bytes);
-  }
-  const std::vector<ChunkInfo> honest = chunks;
-  if (forge) forge(chunks);
-  Bytes file = encodeChunkTable(chunks);
-  for (size_t i = 0; i < stored.size(); ++i) {
-    file.resize(std::max<size_t>(file.size(), honest[i].offset));
-    file.insert(file.end(), stored[i].begin(), stored[i].end());
-  }
-  return file;
-}
+using test::assemble;
+using test::Bytes;
+using test::RawChunk;
+using test::rawChunks;
 
 std::string listed(const std::vector<Issue>& issues) {
   std::ostringstream text;
@@ -94,23 +34,18 @@ std::string listed(const std::vector<Issue>& issues) {
   return text.str();
 }
 
-// Both readers name the issue, and the message has a place and a text.
+// Both readers name this issue and no other, and the message has a place and a text.
 void expectRejected(const Bytes& file, int id) {
   const std::vector<Issue> issues = validateAsset(file, "test");
-  const auto found =
-      std::find_if(issues.begin(), issues.end(), [id](const Issue& issue) { return issue.id == id; });
-  ASSERT_NE(found, issues.end()) << "no issue " << id << " among\n" << listed(issues);
-  EXPECT_EQ(found->where.substr(0, 4), "test");
-  EXPECT_FALSE(found->text.empty());
-  EXPECT_FALSE(parseAsset(file, "test").ok());
-}
-
-// --- the container ---
-
-using Chunks = std::vector<ChunkInfo>;
-
-void expectForgedTableRejected(int id, const std::function<void(Chunks&)>& forge) {
-  expectRejected(assemble(rawChunks(test::fusedMaterial()), forge), id);
+  ASSERT_FALSE(issues.empty());
+  for (const Issue& issue : issues) {
+    EXPECT_EQ(issue.id, id) << listed(issues);
+    EXPECT_EQ(issue.where.substr(0, 4), "test");
+    EXPECT_FALSE(issue.text.empty());
+  }
+  const Result<Material> read = parseAsset(file, "test");
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(read.issue().id, id) << read.issue().text;
 }
 
 TEST(AssetIssues, ForgedFilesAreWhatTheWriterWritesIfNothingIsForged) {
@@ -119,58 +54,21 @@ TEST(AssetIssues, ForgedFilesAreWhatTheWriterWritesIfNothingIsForged) {
     EXPECT_TRUE(assemble(rawChunks(material)) == *serializeAsset(material));
 }
 
-TEST(AssetIssues, Magic) {
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  file[8] = std::byte{'\n'};  // as a copy in text mode would
-  expectRejected(file, issue_id::kMagic);
-  expectRejected(Bytes(100, std::byte{0}), issue_id::kMagic);
-}
-
-TEST(AssetIssues, Version) {
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  file[12] = std::byte{2};
-  expectRejected(file, issue_id::kVersion);
-}
-
-TEST(AssetIssues, Truncated) {
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  file.pop_back();
-  expectRejected(file, issue_id::kTruncated);
-  expectRejected({}, issue_id::kTruncated);
-}
-
-TEST(AssetIssues, ChunkTable) {
-  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].flags = 3; });
-  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].offset += 4; });
-  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].raw_bytes = 0; });
-  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].codec = kCodecStored; });
-  expectForgedTableRejected(issue_id::kChunkTable, [](Chunks& chunks) { chunks[1].flags = 0; });
-  expectForgedTableRejected(issue_id::kChunkTable,
-                            [](Chunks& chunks) { chunks.back().flags = kFlagCritical; });
-}
-
-TEST(AssetIssues, ChunkChecksum) {
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  file.back() ^= std::byte{1};
-  expectRejected(file, issue_id::kChunkChecksum);
-  expectForgedTableRejected(issue_id::kChunkChecksum, [](Chunks& chunks) { chunks[2].hash ^= 1; });
-  Bytes table = *serializeAsset(test::fusedMaterial());
-  table[kPreambleBytes + 40] ^= std::byte{1};
-  expectRejected(table, issue_id::kChunkChecksum);
-}
-
-TEST(AssetIssues, ChunkCodec) {
-  expectForgedTableRejected(issue_id::kChunkCodec, [](Chunks& chunks) { chunks[1].codec = 2; });
-  std::vector<RawChunk> chunks = rawChunks(test::lodMaterial());
-  // Noise is stored as it is, and is no zstd frame.
-  expectRejected(assemble(chunks, [](Chunks& infos) { infos.back().codec = kCodecZstd; }),
-                 issue_id::kChunkCodec);
-}
-
-TEST(AssetIssues, UnknownCritical) {
-  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
-  chunks.insert(chunks.begin() + 2, {fourCharacters("NEWS"), Bytes(100, std::byte{7}), kFlagCritical});
-  expectRejected(assemble(chunks), issue_id::kUnknownCritical);
+// What is wrong is named, alone; and what the readers refuse of a material, the writer refuses with the same
+// number.
+TEST(AssetIssues, EachFaultIsNamedAndNoOther) {
+  for (const test::AssetFault& fault : test::assetFaults()) {
+    SCOPED_TRACE(std::to_string(fault.id) + " " + std::string(issueKind(fault.id)->name) + ": " + fault.what);
+    if (fault.id == issue_id::kPrefix) {  // a remark of validateAssetBytes
+      EXPECT_EQ(listed(validateAsset(fault.file, "test")), "");
+      continue;
+    }
+    expectRejected(fault.file, fault.id);
+    if (!fault.material) continue;
+    const Result<Bytes> written = serializeAsset(*fault.material);
+    ASSERT_FALSE(written.ok()) << "the writer took it";
+    EXPECT_EQ(written.issue().id, fault.id) << written.issue().where << ": " << written.issue().text;
+  }
 }
 
 TEST(AssetIssues, UnknownOptionalIsSkipped) {
@@ -185,51 +83,6 @@ TEST(AssetIssues, UnknownOptionalIsSkipped) {
     ASSERT_TRUE(read.ok());
     test::expectSame(*read, material);
   }
-}
-
-TEST(AssetIssues, Padding) {
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  uint64_t head = 0;
-  std::memcpy(&head, file.data() + kPreambleBytes + 16, sizeof head);
-  file[head - 1] = std::byte{1};
-  expectRejected(file, issue_id::kPadding);
-  expectForgedTableRejected(issue_id::kPadding, [](Chunks& chunks) { chunks.back().offset += 64; });
-}
-
-TEST(AssetIssues, Overlap) {
-  expectForgedTableRejected(issue_id::kOverlap, [](Chunks& chunks) { chunks[2].offset = chunks[1].offset; });
-  expectForgedTableRejected(issue_id::kOverlap, [](Chunks& chunks) { chunks[0].offset = 0; });
-}
-
-TEST(AssetIssues, Duplicate) {
-  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
-  chunks.push_back(chunks.back());
-  expectRejected(assemble(chunks), issue_id::kDuplicate);
-}
-
-TEST(AssetIssues, Trailing) {
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  file.push_back(std::byte{0});
-  expectRejected(file, issue_id::kTrailing);
-  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
-  chunks[0].raw.push_back(std::byte{0});
-  expectRejected(assemble(chunks), issue_id::kTrailing);
-}
-
-TEST(AssetIssues, Limit) {
-  expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) { chunks[1].raw_bytes = 1ull << 32; });
-  expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) { chunks[1].stored_bytes = ~0ull; });
-  expectForgedTableRejected(issue_id::kLimit,
-                            [](Chunks& chunks) { chunks[1].raw_bytes = chunks[1].stored_bytes * 1000 + 1; });
-  expectForgedTableRejected(issue_id::kLimit, [](Chunks& chunks) {
-    chunks[1].raw_bytes = chunks[2].raw_bytes = (1ull << 29) + 1;
-    chunks[1].stored_bytes = chunks[2].stored_bytes = 1ull << 28;
-  });
-  Bytes file = *serializeAsset(test::fusedMaterial());
-  file[16] = std::byte{85};
-  expectRejected(file, issue_id::kLimit);
-  file[16] = std::byte{0};
-  expectRejected(file, issue_id::kLimit);
 }
 
 TEST(AssetIssues, HeaderCountsAreCheckedBeforeTheyAreBelieved) {
@@ -249,20 +102,6 @@ TEST(AssetIssues, HeaderCountsAreCheckedBeforeTheyAreBelieved) {
   }
 }
 
-TEST(AssetIssues, MissingChunk) {
-  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
-  chunks.erase(chunks.begin() + 2);
-  expectRejected(assemble(chunks), issue_id::kMissingChunk);
-  chunks.erase(chunks.begin());
-  expectRejected(assemble(chunks), issue_id::kMissingChunk);
-}
-
-TEST(AssetIssues, Order) {
-  std::vector<RawChunk> chunks = rawChunks(test::fusedMaterial());
-  std::swap(chunks[1], chunks[2]);
-  expectRejected(assemble(chunks), issue_id::kOrder);
-}
-
 // A leading part and its rest are held against the header's numbers one by one.
 TEST(AssetIssues, SplitPartsOfTheWrongSize) {
   for (const Material& material : {test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
@@ -280,170 +119,8 @@ TEST(AssetIssues, SplitPartsOfTheWrongSize) {
   }
 }
 
-// --- the material: the writer refuses what the readers refuse ---
-
-void expectBothReject(const Material& material, int id) {
-  const Result<Bytes> written = serializeAsset(material);
-  ASSERT_FALSE(written.ok()) << "the writer took it";
-  EXPECT_EQ(written.issue().id, id) << written.issue().where << ": " << written.issue().text;
-  expectRejected(assemble(rawChunks(material)), id);
-}
-
-using Change = std::function<void(Material&)>;
-
-void expectEachRejected(Material (*make)(), int id, std::initializer_list<Change> changes) {
-  int index = 0;
-  for (const Change& change : changes) {
-    SCOPED_TRACE("change " + std::to_string(index++));
-    Material material = make();
-    change(material);
-    expectBothReject(material, id);
-  }
-}
-
-TEST(AssetIssues, HeaderField) {
-  expectEachRejected(test::fusedMaterial, issue_id::kHeaderField,
-                     {
-                         [](Material& m) { m.mode = static_cast<Mode>(3); },
-                         [](Material& m) { m.mode = Mode::kSurface; },
-                         [](Material& m) { m.side = 0; },
-                         [](Material& m) { m.side = 16385; },
-                         [](Material& m) { m.side = -1; },
-                         [](Material& m) { m.side = 16384; },
-                         [](Material& m) { m.mean.ka = 3.4e38f; },
-                         [](Material& m) { m.mean.kd = -65505; },
-                         [](Material& m) { m.value_scale = 65505; },
-                         [](Material& m) { m.lambda_min = -1; },
-                         [](Material& m) { m.lambda_max = kNan; },
-                         [](Material& m) { m.value_scale = 0; },
-                         [](Material& m) { m.value_scale = kInfinity; },
-                         [](Material& m) { m.theta_max = 2; },
-                         [](Material& m) { m.aspect = m.geometry.aspect = 0; },
-                         [](Material& m) { m.aspect = m.geometry.aspect = 9; },
-                         [](Material& m) { m.period = -1; },
-                         [](Material& m) { m.period = kInfinity; },
-                         [](Material& m) { m.mean.ks = kNan; },
-                         [](Material& m) { m.mean.alpha = -1; },
-                         [](Material& m) { m.mean.chroma = static_cast<MeanChroma>(2); },
-                         [](Material& m) { m.name = "a\nb"; },
-                         [](Material& m) { m.name = "\xC0\x80"; },
-                         [](Material& m) { m.meta_json = "\xED\xA0\x80"; },
-                         [](Material& m) { m.meta_json = std::string(1, '\0'); },
-                     });
-}
-
-TEST(AssetIssues, Directions) {
-  expectEachRejected(test::lodMaterial, issue_id::kDirections,
-                     {
-                         [](Material& m) { m.lights.kind = static_cast<DirectionSetKind>(5); },
-                         [](Material& m) { m.lights.kind = DirectionSetKind::kBonn81; },
-                         [](Material& m) { m.lights.kind = DirectionSetKind::kConcentric; },
-                         [](Material& m) { m.lights.side = 3; },
-                         [](Material& m) {
-                           m.views.samples[1] = {2, 0, 0};
-                         },
-                         [](Material& m) { m.views.samples[1].x = kNan; },
-                         [](Material& m) {
-                           m.views.samples[1] = {0, 0, -1};
-                         },
-                     });
-}
-
-TEST(AssetIssues, BandField) {
-  expectEachRejected(test::fusedMaterial, issue_id::kBandField,
-                     {
-                         [](Material& m) { m.bands[0].domain = static_cast<Domain>(2); },
-                         [](Material& m) { m.bands[0].filter = static_cast<WeightFilter>(2); },
-                         [](Material& m) { m.bands[0].layout = static_cast<TableLayout>(2); },
-                         [](Material& m) { m.bands[0].layout = TableLayout::kNearest; },
-                         [](Material& m) { m.mode = Mode::kLod; },
-                         [](Material& m) {
-                           m.bands[0].window = {0, 0, 1, 2};
-                         },
-                         [](Material& m) {
-                           m.bands[0].window = {0, 1, kNan, 2};
-                         },
-                         [](Material& m) {
-                           m.bands[0].window = {0, 1, 2, kInfinity};
-                         },
-                         [](Material& m) { m.bands[1].lambda_first = 33; },
-                         [](Material& m) { m.bands[1].lead_quads = -1; },
-                         [](Material& m) { m.bands[1].lead_quads = 2; },
-                         [](Material& m) { m.bands[0].lead_quads = 1; },
-                         [](Material& m) { m.bands[0].quad_scale[0].z = kNan; },
-                         [](Material& m) { m.bands[0].ratio_scale.x = kInfinity; },
-                         [](Material& m) { m.bands[0].ratio_scale.y = 1e9f; },
-                         [](Material& m) { m.bands[0].quad_scale[0].x = -65505; },
-                         [](Material& m) { m.bands[0].weights.format = TexelFormat::kRGBA8Unorm; },
-                         [](Material& m) { m.bands[0].weights.mips = 9; },
-                         [](Material& m) { m.bands[0].weights.depth = 1; },
-                         [](Material& m) { m.bands[0].table.width = 4; },
-                         [](Material& m) { m.bands[1].table.height = 10; },
-                     });
-  Material spare = test::lodMaterial();
-  spare.bands[2].weights.data.back() = std::byte{1};
-  spare.bands[2].weights.data[spare.bands[2].weights.data.size() - 2] = std::byte{1};
-  expectBothReject(spare, issue_id::kBandField);
-}
-
-TEST(AssetIssues, BandsOutOfOrder) {
-  Material material = test::lodMaterial();
-  std::swap(material.bands[0], material.bands[1]);
-  expectBothReject(material, issue_id::kOrder);
-}
-
-TEST(AssetIssues, ExtentLimit) {
-  expectEachRejected(test::fusedMaterial, issue_id::kLimit,
-                     {
-                         [](Material& m) { m.bands[1].weights.height = 16385; },
-                         [](Material& m) { m.bands[1].weights.width = 0; },
-                     });
-}
-
-TEST(AssetIssues, MapField) {
-  expectEachRejected(test::surfaceMaterial, issue_id::kMapField,
-                     {
-                         [](Material& m) { m.geometry.range.z = -1; },
-                         [](Material& m) { m.geometry.range.x = kNan; },
-                         [](Material& m) { m.atlas.texels = 0; },
-                         [](Material& m) { m.atlas.texels = 129; },
-                         [](Material& m) { m.atlas.directions = 0; },
-                         [](Material& m) { m.atlas.directions = 46; },
-                         [](Material& m) { m.atlas.directions = -1; },
-                         [](Material& m) { m.stored_vdim->zeniths = 1; },
-                         [](Material& m) { m.stored_vdim->range.y = kInfinity; },
-                         [](Material& m) { m.surface->specular_scale = kNan; },
-                         [](Material& m) { m.surface->specular_scale = 65537; },
-                         [](Material& m) { m.surface->normal.mips = 9; },
-                         [](Material& m) { m.surface->color.mips = 3; },
-                         [](Material& m) { m.surface->ambient.mips = 2; },
-                         [](Material& m) { m.surface->lambda_first = -9; },
-                         [](Material& m) { m.surface->ambient_first = kInfinity; },
-                         [](Material& m) { m.surface->fade_end = m.surface->fade_begin; },
-                         [](Material& m) { m.surface->fade_begin = -kInfinity; },
-                         [](Material& m) { m.surface->specular_scale = 1e30f; },
-                         [](Material& m) { m.surface->lobe = static_cast<Lobe>(2); },
-                         [](Material& m) { m.surface->visibility = static_cast<Visibility>(4); },
-                         [](Material& m) { m.surface->visibility = Visibility::kMap; },
-                         [](Material& m) { m.surface->tail_mip = 4; },
-                         [](Material& m) { m.surface->tail_mip = -1; },
-                     });
-  expectEachRejected(test::nearMaterial, issue_id::kMapField,
-                     {
-                         [](Material& m) { m.surface->shadow = {}; },
-                         [](Material& m) { m.surface->shadow_table = {}; },
-                         [](Material& m) { m.surface->shadow.mips = 3; },
-                         [](Material& m) { m.surface->shadow.depth = 2; },
-                         [](Material& m) { m.surface->shadow_table.depth = 2; },
-                         [](Material& m) { m.surface->shadow_table.width = 4; },
-                         [](Material& m) { m.surface->shadow_table.width = 257; },
-                         [](Material& m) { m.surface->shadow_table.mips = 2; },
-                     });
-}
-
-// A small file that would keep a loader busy for hours: a surface that is a wall in every patch, or all in
-// one place.
-TEST(AssetIssues, SurfaceTornEverywhere) {
+// Rough surfaces and dense ones are not what kAtlasWork and kAtlasColumn refuse.
+TEST(AssetIssues, SurfacesOfModerateCostPass) {
   const auto surface = [](int side, bool identity, const std::function<glm::dvec3(int, int)>& position) {
     std::vector<glm::dvec3> positions;
     for (int t = 0; t < side * side; ++t) positions.push_back(position(t % side, t / side));
@@ -454,48 +131,19 @@ TEST(AssetIssues, SurfaceTornEverywhere) {
     material.atlas = {};
     return material;
   };
-  const auto checkered = [&](int side, float depth) {
-    return surface(side, true, [=](int i, int j) {
-      return glm::dvec3((i + 0.5) / side, (j + 0.5) / side, (i + j) % 2 ? -depth : 0);
-    });
-  };
-  expectBothReject(checkered(256, 4), issue_id::kMapField);
-  EXPECT_TRUE(serializeAsset(checkered(256, 0.05f)).ok()) << "a rough surface";
-  const auto gathered = [&](int side) {
-    return surface(side, false,
-                   [=](int i, int j) { return glm::dvec3(0.5 + 1e-5 * i, 0.5 + 1e-5 * j, -0.01); });
-  };
-  expectBothReject(gathered(520), issue_id::kMapField);
-  EXPECT_TRUE(serializeAsset(gathered(64)).ok());
+  EXPECT_TRUE(serializeAsset(surface(256, true, [](int i, int j) {
+                return glm::dvec3((i + 0.5) / 256, (j + 0.5) / 256, (i + j) % 2 ? -0.05 : 0.0);
+              })).ok());
+  EXPECT_TRUE(serializeAsset(surface(64, false, [](int i, int j) {
+                return glm::dvec3(0.5 + 1e-5 * i, 0.5 + 1e-5 * j, -0.01);
+              })).ok());
 }
 
-TEST(AssetIssues, MapSize) {
-  // Texels that do not fill the extents: the writer sees the vector, the reader the chunk.
-  expectEachRejected(test::surfaceMaterial, issue_id::kMapSize,
-                     {
-                         [](Material& m) { m.geometry.texels.data.pop_back(); },
-                         [](Material& m) { m.surface->color.data.resize(10); },
-                     });
-  expectEachRejected(test::fusedMaterial, issue_id::kMapSize,
-                     {[](Material& m) { m.bands[0].table.data.push_back(std::byte{0}); }});
-}
-
-TEST(AssetIssues, NonFiniteTexels) {
+TEST(AssetIssues, TheGreatestTexelPasses) {
   Material material = test::lodMaterial();
-  for (const float value : {kNan, -kInfinity, 65505.f, -1e38f}) {
-    std::memcpy(material.bands[0].table.data.data() + 4, &value, sizeof value);
-    expectBothReject(material, issue_id::kNonFinite);
-  }
   const float greatest = -65504;
   std::memcpy(material.bands[0].table.data.data() + 4, &greatest, sizeof greatest);
   EXPECT_TRUE(serializeAsset(material).ok());
-
-  material = test::lodMaterial();
-  Band& band = material.bands[1];
-  band.weights = test::noiseTexture(TexelFormat::kRGBA16Sfloat, TextureShape::kArray2D, 4, 4, 3, 1, 1);
-  const uint16_t half_infinity = 0xfc00;
-  std::memcpy(band.weights.data.data() + 2, &half_infinity, sizeof half_infinity);
-  expectBothReject(material, issue_id::kNonFinite);
 }
 
 // --- what the fuzzers begin with ---
@@ -552,7 +200,7 @@ TEST(AssetIssues, TableAndTextNameEveryNumber) {
   for (std::sregex_iterator match(format.begin(), format.end(), cells), end; match != end; ++match)
     documented[std::stoi((*match)[1])] = (*match)[2].str() + ": " + (*match)[3].str();
   for (const IssueKind& kind : kIssueKinds)
-    if (kind.id >= 2000 && kind.id < 5000)
+    if (kind.id >= 2000 && kind.id < 5000 && kind.found_by == FoundBy::kValidate)
       expected[kind.id] = std::string(kind.name) + ": " + std::string(kind.summary);
   EXPECT_EQ(documented, expected);
 }

@@ -40,15 +40,18 @@ TEST_F(ConfinedPath, FilesInTheFolderAreFound) {
 
 TEST_F(ConfinedPath, OthersAreRefusedWithTheirPlace) {
   using namespace std::string_view_literals;
-  for (const std::string_view uri :
-       {"../secret"sv, "maps/../../secret"sv, "%2e%2e/secret"sv, "/etc/passwd"sv, "%2Fetc/passwd"sv,
-        "file:secret"sv, "http://host/a.png"sv, "C:/a.png"sv, "maps\\a.png"sv, "maps%5Ca.png"sv, "a%00b"sv,
-        "a%2"sv, "a%zz"sv, ""sv, "."sv}) {
-    const auto path = find(uri);
-    ASSERT_FALSE(path.ok()) << uri;
-    EXPECT_EQ(path.issue().id, issue_id::kGltfPath) << uri;
-    EXPECT_EQ(path.issue().where, "images[0].uri");
-  }
+  const auto expectAll = [&](int id, std::initializer_list<std::string_view> uris) {
+    for (const std::string_view uri : uris) {
+      const auto path = find(uri);
+      ASSERT_FALSE(path.ok()) << uri;
+      EXPECT_EQ(path.issue().id, id) << uri;
+      EXPECT_EQ(path.issue().where, "images[0].uri");
+    }
+  };
+  expectAll(issue_id::kGltfPath, {"../secret"sv, "maps/../../secret"sv, "%2e%2e/secret"sv, "."sv});
+  expectAll(issue_id::kUriAbsolute,
+            {"/etc/passwd"sv, "%2Fetc/passwd"sv, "file:secret"sv, "http://host/a.png"sv, "C:/a.png"sv});
+  expectAll(issue_id::kUriSyntax, {"maps\\a.png"sv, "maps%5Ca.png"sv, "a%00b"sv, "a%2"sv, "a%zz"sv, ""sv});
 }
 
 TEST_F(ConfinedPath, LinksThatLeadOutAreRefused) {

@@ -173,7 +173,7 @@ TEST_F(AssetOnDisk, WritesNothingForAMaterialThatIsNotValid) {
   Material material = test::fusedMaterial();
   material.side = 0;
   const Status written = writeAsset(material, folder_ / "cloth.loden");
-  EXPECT_EQ(written.issue().id, issue_id::kHeaderField);
+  EXPECT_EQ(written.issue().id, issue_id::kSide);
   EXPECT_NE(written.issue().where.find("cloth.loden"), std::string::npos);
   EXPECT_EQ(filesLeft(), 0);
 }

@@ -158,10 +158,13 @@ TEST(GltfScene, BracketsInsideStringsAreNoNesting) {
 
 TEST(GltfScene, RejectsFilesOutsideItsFolder) {
   Document document;
-  for (const char* uri :
-       {"../outside.bin", "%2e%2e/outside.bin", "a/../../outside.bin", "/etc/passwd", "file:///etc/passwd"}) {
+  for (const auto& [uri, id] : {std::pair{"../outside.bin", issue_id::kGltfPath},
+                                {"%2e%2e/outside.bin", issue_id::kGltfPath},
+                                {"a/../../outside.bin", issue_id::kGltfPath},
+                                {"/etc/passwd", issue_id::kUriAbsolute},
+                                {"file:///etc/passwd", issue_id::kUriAbsolute}}) {
     document.uri = uri;
-    expectIssue(load(document), issue_id::kGltfPath);
+    expectIssue(load(document), id);
   }
 }
 

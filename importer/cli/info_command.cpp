@@ -211,8 +211,10 @@ class InfoCommand : public Command {
     auto opened = openFileSource(path_);
     if (!opened) return fail(opened.issue());
     const std::shared_ptr<const ByteSource> source = std::move(*opened);
-    const std::vector<Issue> issues = inspectAsset(*source, path_.string());
+    std::vector<Issue> issues = inspectAsset(*source, path_.string());
     const auto file = AssetFile::open(source, path_.string());
+    if (!file && exitCodeOfAll(issues) == kExitOk)  // it has changed since, or cannot be read any more
+      issues.push_back(file.issue());
     if (globals.json)
       printAsJson(source->size(), file, issues);
     else
@@ -280,10 +282,7 @@ class InfoCommand : public Command {
   void printAsText(uint64_t file_bytes, const Result<AssetFile>& file,
                    const std::vector<Issue>& issues) const {
     std::string text = formatted("%s: %s bytes on disk\n", path_.c_str(), withThousands(file_bytes).c_str());
-    if (file)
-      text += describedText(*file);
-    else
-      text += "cannot be opened: " + file.issue().text + "\n";
+    if (file) text += describedText(*file);
     for (const Issue& issue : issues) text += issueText(issue) + "\n";
     printText(text);
   }

@@ -1,5 +1,6 @@
 #include <malloc.h>
 
+#include "importer/btf/measured/mapped_file.h"
 #include "importer/cli/command.h"
 
 int main(int argc, char** argv) {
@@ -8,6 +9,7 @@ int main(int argc, char** argv) {
   // a cook.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most there is
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  exitWhereMappedFilesShrink();
   std::vector<std::unique_ptr<Command>> commands;
   commands.push_back(makeBakeCommand());
   commands.push_back(makeCookCommand());

@@ -51,6 +51,7 @@ int exitCodeOfAll(std::span<const Issue> issues) {
   int code = kExitOk;
   for (const Issue& issue : issues) {
     if (issue.id == issue_id::kMemory) return kExitRuntime;
+    if (issue.id == issue_id::kCannotRead) return kExitIo;  // what is in the file is not known
     if (issue.severity == Severity::kError) code = kExitInvalid;
   }
   return code;

@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <cstring>
@@ -111,6 +112,7 @@ Result<std::vector<std::byte>> decompress(std::span<const std::byte> stored, uin
   }
   std::vector<std::byte> raw(raw_bytes);
   const size_t got = ZSTD_decompress(raw.data(), raw.size(), stored.data(), stored.size());
+  if (ZSTD_getErrorCode(got) == ZSTD_error_memory_allocation) return memoryIssue(where, "zstd has no room");
   if (ZSTD_isError(got) || got != raw_bytes) {
     return chunkIssue(issue_id::kZstdDamaged, where, "the zstd frame is damaged");
   }

@@ -96,9 +96,11 @@ Result<Material> AssetFile::load(uint32_t type, int band, Share share, std::opti
 
 Result<Band> AssetFile::loadBand(int band, Share share, const Band* lead) const {
   LODEN_CHECK(band >= 0 && band < static_cast<int>(skeleton_.bands.size()));
-  std::optional<Material> leading;
-  if (lead) leading.emplace().bands = {*lead};
-  Result<Material> part = load(kBand, band, share, std::move(leading));
+  Result<Material> part = withoutExceptions(name_, [&] {
+    std::optional<Material> leading;
+    if (lead) leading.emplace().bands = {*lead};
+    return load(kBand, band, share, std::move(leading));
+  });
   if (!part) return part.issue();
   return std::move(part->bands.front());
 }
@@ -116,9 +118,11 @@ Result<PaperVdim> AssetFile::loadStoredVdim() const {
 }
 
 Result<SurfaceMaps> AssetFile::loadSurface(Share share, const SurfaceMaps* tail) const {
-  std::optional<Material> leading;
-  if (tail) leading.emplace().surface = *tail;
-  Result<Material> part = load(kSurf, -1, share, std::move(leading));
+  Result<Material> part = withoutExceptions(name_, [&] {
+    std::optional<Material> leading;
+    if (tail) leading.emplace().surface = *tail;
+    return load(kSurf, -1, share, std::move(leading));
+  });
   if (!part) return part.issue();
   return std::move(*part->surface);
 }

@@ -52,14 +52,23 @@ class IssueList {
   std::vector<Issue> issues_;
 };
 
+// That there is not enough memory; without the name where there is none even for that.
+inline Issue memoryIssue(const std::string& name, const char* why) noexcept {
+  try {
+    return {issue_id::kMemory, Severity::kError, name, join("not enough memory for this asset: ", why)};
+  } catch (...) {
+    // Neither string is long enough to be allocated.
+    return {issue_id::kMemory, Severity::kError, "", "out of memory"};
+  }
+}
+
 // Runs `work`, which returns a Result or a Status; what it throws, memory above all, becomes an issue.
 template <class Work>
 auto withoutExceptions(const std::string& name, const Work& work) -> decltype(work()) {
   try {
     return work();
   } catch (const std::exception& exception) {
-    return Issue{issue_id::kMemory, Severity::kError, name,
-                 join("not enough memory for this asset: ", exception.what())};
+    return memoryIssue(name, exception.what());
   }
 }
 

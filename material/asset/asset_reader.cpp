@@ -23,6 +23,27 @@ class SpanSource final : public ByteSource {
   std::span<const std::byte> bytes_;
 };
 
+// What `work` adds to a list of issues; what it throws is one of them.
+template <class Work>
+std::vector<Issue> issuesOf(const std::string& name, const Work& work) {
+  const auto collect = [&] {
+    IssueList issues(name);
+    const Status done = withoutExceptions(name, [&]() -> Status {
+      work(issues);
+      return {};
+    });
+    if (!done) issues.add(done.issue());
+    return issues.take();
+  };
+  try {
+    return collect();
+  } catch (const std::exception& exception) {
+    std::vector<Issue> one;
+    one.push_back(memoryIssue(name, exception.what()));  // throws if there is no room for a list of one
+    return one;
+  }
+}
+
 }  // namespace
 
 Result<Material> parseAsset(std::span<const std::byte> bytes, const std::string& name) {
@@ -39,23 +60,11 @@ Result<Material> readAsset(const ByteSource& source, const std::string& name) {
 }
 
 std::vector<Issue> validateAsset(std::span<const std::byte> bytes, const std::string& name) {
-  IssueList issues(name);
-  const Status done = withoutExceptions(name, [&]() -> Status {
-    readAll(SpanSource(bytes), false, issues);
-    return {};
-  });
-  if (!done) issues.add(done.issue());
-  return issues.take();
+  return issuesOf(name, [&](IssueList& issues) { readAll(SpanSource(bytes), false, issues); });
 }
 
 std::vector<Issue> inspectAsset(const ByteSource& source, const std::string& name) {
-  IssueList issues(name);
-  const Status done = withoutExceptions(name, [&]() -> Status {
-    inspectAll(source, issues);
-    return {};
-  });
-  if (!done) issues.add(done.issue());
-  return issues.take();
+  return issuesOf(name, [&](IssueList& issues) { inspectAll(source, issues); });
 }
 
 }  // namespace loden

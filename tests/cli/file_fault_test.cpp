@@ -3,39 +3,20 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <map>
+#include <cerrno>
+#include <sstream>
 
-#include "tests/cli/loden_fixture.h"
+#include "tests/cli/run_with.h"
 
 namespace loden::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string quoted(const std::string& word) {
-  return std::string("'").append(word).append("'");
-}
-
 // Runs the tool where no file grows beyond `blocks` of 512 bytes, which fails in the middle of a write as a
 // full disk does.
 ToolRun onFullDisk(int blocks, const std::vector<std::string>& arguments) {
-  std::string command = "trap '' XFSZ; ulimit -f " + std::to_string(blocks) + "; exec " + quoted(LODEN_TOOL);
-  for (const std::string& argument : arguments) command += " " + quoted(argument);
-  return runTool("/bin/sh", {"-c", command});
-}
-
-std::vector<std::string> namesIn(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (!entry.is_directory()) names.push_back(fs::relative(entry.path(), folder).string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-std::map<std::string, std::string> filesIn(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const std::string& name : namesIn(folder)) files[name] = fileText(folder / name);
-  return files;
+  return lodenFromShell("trap '' XFSZ; ulimit -f " + std::to_string(blocks) + "; exec", arguments);
 }
 
 TEST(FullDisk, KeepsTheOldFileAndSaysSo) {
@@ -51,28 +32,16 @@ TEST(FullDisk, KeepsTheOldFileAndSaysSo) {
   EXPECT_EQ(namesIn(scratch.path()).size(), 4u);
 }
 
-const std::vector<std::string> kSmallBake{"--size", "8", "--directions", "3x3", "--supersample", "1", "-q"};
-
-std::vector<std::string> bakeInto(const fs::path& folder, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> arguments{"bake", "builtin:button", "-o", folder.string()};
-  arguments.insert(arguments.end(), kSmallBake.begin(), kSmallBake.end());
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
-}
-
 TEST(FullDisk, BakeStopsAndIsResumed) {
   const ScratchFolder scratch;
-  ASSERT_EQ(loden(bakeInto(scratch / "whole")).exit_code, 0);
+  ASSERT_EQ(loden(smallBake(scratch / "whole")).exit_code, 0);
   for (const int blocks : {0, 1, 4}) {
     const fs::path folder = scratch / ("full" + std::to_string(blocks));
-    const ToolRun run = onFullDisk(blocks, bakeInto(folder));
+    const ToolRun run = onFullDisk(blocks, smallBake(folder));
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_FALSE(fs::exists(folder / "bake.json"));
-    for (const std::string& name : namesIn(folder)) {
-      EXPECT_EQ(name.find("tmp"), std::string::npos) << name;
-      EXPECT_EQ(name.find(".loden-"), std::string::npos) << name;
-    }
-    ASSERT_EQ(loden(bakeInto(folder, {"--resume"})).exit_code, 0);
+    for (const std::string& name : namesIn(folder)) EXPECT_FALSE(isTemporary(name)) << name;
+    ASSERT_EQ(loden(smallBake(folder, {"--resume"})).exit_code, 0);
     EXPECT_EQ(filesIn(folder), filesIn(scratch / "whole"));
   }
 }
@@ -80,7 +49,7 @@ TEST(FullDisk, BakeStopsAndIsResumed) {
 TEST(Resume, BakesAgainWhatIsDamaged) {
   const ScratchFolder scratch;
   const fs::path folder = scratch / "bake";
-  ASSERT_EQ(loden(bakeInto(folder)).exit_code, 0);
+  ASSERT_EQ(loden(smallBake(folder)).exit_code, 0);
   const auto whole = filesIn(folder);
   writeText(folder / "btf/view_0004.exr", "");
   const auto half = [&](const char* name) {
@@ -89,9 +58,142 @@ TEST(Resume, BakesAgainWhatIsDamaged) {
   half("flat/view_0003.exr");
   half("visible/view_0002.png");
   half("surface/geometry.exr");
-  ASSERT_EQ(loden(bakeInto(folder, {"--resume"})).exit_code, 0);
+  ASSERT_EQ(loden(smallBake(folder, {"--resume"})).exit_code, 0);
   EXPECT_EQ(filesIn(folder), whole);
 }
+
+#ifdef LODEN_FAULT_SHIM
+// Runs the tool with the `at`-th call on files below `folder` failing, and all such calls that follow; `hit`
+// tells whether there were as many.
+ToolRun withFault(const char* call, int at, int error, const fs::path& folder,
+                  const std::vector<std::string>& arguments, bool& hit) {
+  const ScratchFolder scratch;
+  std::ostringstream before;
+  before << "export LODEN_FAULT=" << quoted(call) << ":" << at << ":" << error << ":"
+         << quoted(folder.string()) << " LODEN_FAULT_HIT=" << quoted(scratch / "hit")
+         << " LD_PRELOAD=" << quoted(LODEN_FAULT_SHIM) << "; exec";
+  const ToolRun run = lodenFromShell(before.str(), arguments);
+  hit = fs::exists(scratch / "hit");
+  return run;
+}
+
+// A file that a verb writes, with every call of each kind failing in turn: it is old, with a message that
+// names a file and the exit code of input and output, or new, with success.
+void expectOldOrNew(std::initializer_list<std::pair<const char*, int>> calls, const std::string& name,
+                    const std::vector<std::string>& arguments, const ScratchFolder& scratch) {
+  const fs::path out = scratch / "out";
+  fs::remove_all(out);
+  fs::create_directories(out);
+  ASSERT_EQ(loden(arguments).exit_code, 0);
+  const std::string whole = fileText(out / name);
+  for (const auto& [call, error] : calls) {
+    bool hit = true;
+    int refused = 0;
+    for (int at = 1; hit && at < 20; ++at) {
+      SCOPED_TRACE(std::string(call) + " " + std::to_string(at) + " of " + name);
+      writeText(out / name, "OLD");
+      const ToolRun run = withFault(call, at, error, out, arguments, hit);
+      if (!hit) {
+        EXPECT_EQ(run.exit_code, 0) << run.err;
+      }
+      if (run.exit_code == 0) {
+        EXPECT_TRUE(fileText(out / name) == whole);
+      } else {
+        ++refused;
+        EXPECT_EQ(run.exit_code, 2) << run.err;
+        EXPECT_NE(run.err.find(name), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find("[1003]"), std::string::npos) << run.err;
+        EXPECT_EQ(fileText(out / name), "OLD");
+      }
+      EXPECT_EQ(namesIn(out), std::vector<std::string>{name});
+    }
+    EXPECT_FALSE(hit) << "there are more calls";
+    EXPECT_GT(refused, 0) << "no failure was noticed";
+  }
+}
+
+// writeScene's scene in one file.
+std::string gltfAsGlb(const ScratchFolder& scratch) {
+  const auto number = [](size_t value) {
+    const auto bytes = static_cast<uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+  };
+  std::string json = fileText(scratch / "scene.gltf"), bin = fileText(scratch / "scene.bin");
+  const std::string uri = "\"uri\": \"scene.bin\",";
+  json.replace(json.find(uri), uri.size(), "");
+  json.append((4 - json.size() % 4) % 4, ' ');
+  const std::string chunks =
+      number(json.size()) + "JSON" + json + number(bin.size()) + std::string("BIN\0", 4) + bin;
+  writeText(scratch / "scene.glb", "glTF" + number(2) + number(12 + chunks.size()) + chunks);
+  return scratch / "scene.glb";
+}
+
+TEST(FailingWrites, LeaveTheOldFileOrTheNew) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out/";
+  writeScene(scratch.path());
+  expectOldOrNew({{"write", ENOSPC}}, "o.loden",
+                 {"cook", sharedBake(), "-o", out + "o.loden", "--mode", "lod", "-q"}, scratch);
+  expectOldOrNew({{"write", EIO}, {"rename", ENOSPC}}, "o.png",
+                 {"extract", sharedAsset(), "-o", out + "o.png"}, scratch);
+  expectOldOrNew({{"write", ENOSPC}, {"fsync", EIO}, {"rename", EIO}}, "o.glb",
+                 {"pack", gltfAsGlb(scratch), "--material", "Cloth", "--asset", sharedAsset(), "--embed",
+                  "-o", out + "o.glb"},
+                 scratch);
+}
+
+TEST(FailingWrites, BakeStopsAndIsResumed) {
+  const ScratchFolder scratch;
+  ASSERT_EQ(loden(smallBake(scratch / "whole")).exit_code, 0);
+  const auto whole = filesIn(scratch / "whole");
+  for (const auto& [call, at] : {std::pair{"write", 1}, {"write", 23}, {"rename", 12}, {"fsync", 2}}) {
+    SCOPED_TRACE(std::string(call) + " " + std::to_string(at));
+    const fs::path folder = scratch / (call + std::to_string(at));
+    bool hit = false;
+    const ToolRun run = withFault(call, at, ENOSPC, folder, smallBake(folder), hit);
+    ASSERT_TRUE(hit) << run.err;
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find("[1003]"), std::string::npos) << run.err;
+    EXPECT_FALSE(fs::exists(folder / "bake.json"));
+    if (fs::exists(folder)) {
+      for (const std::string& name : namesIn(folder)) EXPECT_FALSE(isTemporary(name)) << name;
+    }
+    ASSERT_EQ(loden(smallBake(folder, {"--resume"})).exit_code, 0);
+    EXPECT_TRUE(filesIn(folder) == whole);
+  }
+}
+
+// Disks that fail in the middle of a read: no run succeeds with less, and none writes.
+TEST(FailingReads, AreSaidAndNothingIsWritten) {
+  const ScratchFolder scratch;
+  const std::string good = scratch / "good.loden", cooked = scratch / "o.loden", png = scratch / "o.png";
+  fs::copy_file(sharedAsset(), good);
+  fs::copy(sharedBake(), scratch / "bake", fs::copy_options::recursive);
+  const auto expectSaid = [&](const std::string& below, const std::vector<std::string>& arguments,
+                              const std::string& output, std::initializer_list<int> moments) {
+    int refused = 0;
+    for (const int at : moments) {
+      SCOPED_TRACE(arguments[0] + ", read " + std::to_string(at));
+      bool hit = false;
+      const ToolRun run = withFault("read", at, EIO, below, arguments, hit);
+      if (!hit) {
+        EXPECT_EQ(run.exit_code, 0) << run.err;
+        break;
+      }
+      ++refused;
+      EXPECT_TRUE(run.exit_code == 2 || run.exit_code == 3) << run.exit_code << run.err;
+      EXPECT_NE((run.err + run.out).find("100"), std::string::npos) << run.err << run.out;
+      EXPECT_TRUE(output.empty() || !fs::exists(output)) << output;
+    }
+    EXPECT_GT(refused, 0);
+  };
+  expectSaid(good, {"validate", good}, "", {1, 2});
+  expectSaid(good, {"info", good}, "", {1, 5, 9});
+  expectSaid(good, {"extract", good, "-o", png}, png, {1, 5});
+  expectSaid(scratch / "bake", {"cook", scratch / "bake", "-o", cooked, "--mode", "lod", "-q"}, cooked,
+             {1, 2, 9, 40});
+}
+#endif
 
 // A pipe that nobody writes to: what opens it without care waits for ever.
 TEST(Pipe, IsRefusedByEveryVerb) {
@@ -133,9 +235,7 @@ TEST(Pipe, IsRefusedByEveryVerb) {
       {"extract", sharedAsset(), "-o", exr},  // nor is a picture written over it
   };
   for (const auto& arguments : runs) {
-    std::string command = "exec timeout -s KILL 60 " + quoted(LODEN_TOOL);
-    for (const std::string& argument : arguments) command += " " + quoted(argument);
-    const ToolRun run = runTool("/bin/sh", {"-c", command});
+    const ToolRun run = lodenFromShell("exec timeout -s KILL 60", arguments);
     EXPECT_EQ(run.exit_code, 2) << ::testing::PrintToString(arguments) << ": " << run.err;
     EXPECT_NE(run.err.find("[100"), std::string::npos) << run.err;
   }
@@ -148,7 +248,7 @@ TEST(Pipe, IsRefusedByEveryVerb) {
            {"--asset", sharedAsset(), "--headless", "--script", json},
            {"--asset", sharedAsset(), "--headless", "--environment", exr}}) {
     std::string command = "exec timeout -s KILL 60 " + quoted(LODEN_WALK);
-    for (const std::string& argument : arguments) command += " " + quoted(argument);
+    for (const std::string& argument : arguments) command.append(" ").append(quoted(argument));
     const ToolRun run = runTool("/bin/sh", {"-c", command});
     EXPECT_EQ(run.exit_code, 2) << ::testing::PrintToString(arguments) << ": " << run.err;
   }

@@ -10,6 +10,7 @@
 #include "importer/btf/measured/btf_color.h"
 #include "importer/btf/measured/btf_file.h"
 #include "importer/btf/measured/cropped_source.h"
+#include "importer/btf/measured/mapped_file.h"
 #include "importer/cook/cook.h"
 #include "material/base/issues.h"
 #include "tests/unit/btf_writer.h"
@@ -440,6 +441,36 @@ TEST(Reciprocity, WrongGamma_IsNamed) {
   ASSERT_TRUE(withCosine(std::make_unique<MemorySource>(btf), CosineFlag::kUnknown, 2, note).ok());
   EXPECT_NE(note.find("gamma"), std::string::npos) << note;
   EXPECT_NE(note.find("sRGB"), std::string::npos) << note;
+}
+
+// A signal ends who touches bytes that are gone.
+TEST(MappedFile, ThatShrinksWhileItIsReadEndsTheProgramWithItsName) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "x.btf";
+  std::ofstream(path, std::ios::binary) << std::string(100000, 'x');
+  const auto file = MappedFile::open(path);
+  ASSERT_TRUE(file.ok());
+  fs::resize_file(path, 10);
+  const auto readTheEnd = [&] {
+    exitWhereMappedFilesShrink();
+    volatile std::byte last = (*file)->bytes()[99999];
+    std::exit(int(last) * 0);
+  };
+  EXPECT_EXIT(readTheEnd(), testing::ExitedWithCode(2), "x.btf: became shorter while it was read.*1002");
+}
+
+// A writer that replaces a file leaves the old one to those who read it.
+TEST(MappedFile, ThatIsReplacedOrRemovedStaysAsItWas) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "x.btf";
+  std::ofstream(path, std::ios::binary) << std::string(100000, 'x');
+  const auto file = MappedFile::open(path);
+  ASSERT_TRUE(file.ok());
+  std::ofstream(folder / "new.btf", std::ios::binary) << "new";
+  fs::rename(folder / "new.btf", path);
+  EXPECT_EQ((*file)->bytes()[99999], std::byte{'x'});
+  fs::remove(path);
+  EXPECT_EQ((*file)->bytes()[99999], std::byte{'x'});
 }
 
 }  // namespace

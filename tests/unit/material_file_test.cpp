@@ -79,6 +79,33 @@ TEST_F(AssetOnDisk, ReportsAFileThatShrinksBehindItsBack) {
   EXPECT_EQ(file->loadBand(0).issue().id, issue_id::kCannotRead);
 }
 
+// What reads a file by ranges has the file that it opened: one that is replaced or removed stays as it was,
+// one that is written over is found to be damaged.
+TEST_F(AssetOnDisk, StaysAsItWasWhereItIsReplacedOrRemovedAndIsRefusedWhereItIsOverwritten) {
+  const fs::path path = folder_ / "cloth.loden", other = folder_ / "other.loden";
+  ASSERT_TRUE(writeAsset(test::fusedMaterial(), path).ok());
+  const auto open = [&] { return AssetFile::open(*openFileSource(path), "cloth"); };
+  const Result<AssetFile> replaced = open();
+  ASSERT_TRUE(replaced.ok());
+  ASSERT_TRUE(writeAsset(test::lodMaterial(), other).ok());
+  fs::rename(other, path);
+  const Result<Band> old_band = replaced->loadBand(0);
+  ASSERT_TRUE(old_band.ok()) << old_band.issue().text;
+  EXPECT_TRUE(old_band->table.data == test::fusedMaterial().bands[0].table.data);
+
+  const Result<AssetFile> removed = open();
+  ASSERT_TRUE(removed.ok());
+  fs::remove(path);
+  EXPECT_TRUE(removed->loadBand(0).ok());
+
+  ASSERT_TRUE(writeAsset(test::fusedMaterial(), path).ok());
+  const Result<AssetFile> overwritten = open();
+  ASSERT_TRUE(overwritten.ok());
+  std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).seekp(0)
+      << std::string(fs::file_size(path), 'x');
+  EXPECT_EQ(overwritten->loadBand(0).issue().id, issue_id::kChunkChecksum);
+}
+
 TEST_F(AssetOnDisk, LeavesNothingBehindIfTheTargetIsAFolder) {
   fs::create_directory(folder_ / "cloth.loden");
   const Status written = writeAsset(test::fusedMaterial(), folder_ / "cloth.loden");

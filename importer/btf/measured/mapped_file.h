@@ -23,4 +23,9 @@ class MappedFile {
   std::span<const std::byte> bytes_;
 };
 
+// From here on the process ends with a message and kExitIo where it reads bytes of a mapped file that are
+// gone: where another process cut the file short. Without it, or beyond 16 mapped files, the signal ends it.
+// For programs, whose outputs are whole or absent whenever they end.
+void exitWhereMappedFilesShrink();
+
 }  // namespace loden::importer

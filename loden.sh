@@ -26,7 +26,8 @@ usage: ./loden.sh VERB
             how to walk by hand. 12 min, 6 of them compiling; 1 GB
   test      build everything and run all tests. Some 30 min, half a GB
   bench     build and run the benchmarks. Some 30 min more than the build
-  stress    the tests of numerical stability at full length; writes tests/stress/RESULTS.md
+  stress    the tests of numerical stability, of kills and of long runs at full length; writes
+            tests/stress/RESULTS.md
   studies   run the papers' studies; tables and JSON below out/studies. Hours, 3 GB; studies NAME TILE runs
             one, of one tile: 1 to 3 min for most
   pictures  ray traced truth beside the three modes, near, far and magnified: PSNR, FLIP and one picture.

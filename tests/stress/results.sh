@@ -34,6 +34,7 @@ title() {
     StressShadows) echo "Cast shadows by look-up" ;;
     StressFits) echo "Fits" ;;
     StressPhysics) echo "Physics" ;;
+    StressSoak) echo "Materials that come and go" ;;
     *) echo "$1" ;;
   esac
 }

@@ -164,8 +164,10 @@ FullScreen::~FullScreen() {
   glUseProgram(0);
 }
 
-GlProgram FullScreen::program(const std::string& fragment, std::span<const std::string> defines) const {
-  return require(compileProgram(kVertex, {"bench.frag", fragment}, defines, "bench"));
+GlProgram FullScreen::program(const std::string& fragment, std::span<const std::string> defines,
+                              const std::string& vertex) const {
+  const ShaderText own{"bench.vert", vertex};
+  return require(compileProgram(vertex.empty() ? kVertex : own, {"bench.frag", fragment}, defines, "bench"));
 }
 
 void FullScreen::draw(const GlProgram& program) const {

@@ -37,8 +37,10 @@ class FullScreen {
   ~FullScreen();
   FullScreen(const FullScreen&) = delete;
   FullScreen& operator=(const FullScreen&) = delete;
-  // Fragment text as in runtime/shader/shader_library.h; exits with the compiler's message if it is wrong.
-  runtime::GlProgram program(const std::string& fragment, std::span<const std::string> defines) const;
+  // Texts as in runtime/shader/shader_library.h, the triangle's own vertex text if empty; exits with the
+  // compiler's message if one is wrong.
+  runtime::GlProgram program(const std::string& fragment, std::span<const std::string> defines,
+                             const std::string& vertex = {}) const;
   void draw(const runtime::GlProgram& program) const;
   std::vector<glm::vec4> read() const { return readLinear(target_); }
 

@@ -25,7 +25,7 @@ usage: ./loden.sh VERB
   demo      bake the four builtin tiles, cook them, walk through the gallery; ends by naming a picture, and
             how to walk by hand. 12 min, 6 of them compiling; 1 GB
   test      build everything and run all tests. Some 30 min, half a GB
-  bench     build and run the benchmarks. Some 30 min more than the build
+  bench     build and run the benchmarks, plots below out/bench. Some 60 min more than the build
   stress    the tests of numerical stability, of kills and of long runs at full length; writes
             tests/stress/RESULTS.md
   studies   run the papers' studies; tables and JSON below out/studies. Hours, 3 GB; studies NAME TILE runs
@@ -243,16 +243,28 @@ verb_test() {
   ctest --test-dir "$BUILD" --output-on-failure --parallel 2
 }
 
-# The benchmarks are the binaries named bench_*.
+# The benchmarks are the binaries named bench_*. Those of tiles leave their rows as JSON, and plots of them.
 verb_bench() {
   build all
-  local bench found=0
+  local bench found=0 out=out/bench options plot
+  mkdir -p "$out"
   for bench in "$BIN"/bench_*; do
     [[ -x $bench ]] || continue
     found=1
-    "$bench"
+    case ${bench##*/} in
+      bench_time_error) options=(--lambda "-1,0,1,2,3,4" --json "$out/time-error.json") ;;
+      bench_motion) options=(--tile pulli --json "$out/motion.json" --pictures "$out") ;;
+      *) options=() ;;
+    esac
+    "$bench" "${options[@]}"
   done
   ((found)) || die "this version has no benchmarks"
+  [[ -x $BIN/plot_benchmarks ]] || return 0
+  "$BIN/plot_benchmarks" "$out" "$out/time-error.json" "$out/motion.json" >/dev/null
+  if command -v rsvg-convert >/dev/null; then
+    for plot in "$out"/*.svg; do rsvg-convert "$plot" -o "${plot%.svg}.png"; done
+  fi
+  say "plots and strips: $PWD/$out"
 }
 
 verb_stress() {

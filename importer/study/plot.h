@@ -11,9 +11,12 @@
 
 namespace loden::importer {
 
+enum class PlotMark { kLineAndPoints, kPoints, kLine };  // the last is grey, behind all others
+
 struct PlotSeries {
   std::string name;
   std::vector<std::pair<double, double>> points;  // by x
+  PlotMark mark = PlotMark::kLineAndPoints;
 };
 
 struct PlotPanel {
@@ -23,9 +26,14 @@ struct PlotPanel {
 
 struct Plot {
   std::string title, x_label, y_label;
-  bool x_log = false;             // else linear from 0; y is linear from 0
+  bool x_log = false;             // else linear, from 0 or less
   std::vector<PlotPanel> panels;  // side by side, on common axes
+  bool y_log = false;             // else linear, from 0
+  bool y_from_least = false;      // if linear: from the least instead
 };
+
+// Of points that cost x and are worth y, those that no other beats in both, by x: a Pareto front.
+std::vector<std::pair<double, double>> paretoFront(std::vector<std::pair<double, double>> points);
 
 // One panel per tile: column `y` over column `x`. `series_of` names the series of a row; rows that it gives
 // an empty name are left out.

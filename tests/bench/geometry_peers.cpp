@@ -180,7 +180,7 @@ class TileMeshes {
   uint64_t bytes() const { return bytes_; }
 
  private:
-  static constexpr int kLeastCells = 16, kMostCells = 128;
+  static constexpr int kLeastCells = 4, kMostCells = 128;
   std::map<int, TileMesh> meshes_;
   uint64_t bytes_ = 0;
 };

@@ -10,7 +10,7 @@
 namespace loden::bench {
 
 // The tile's own surface as triangles, as engines draw micropolygons (Karis et al. 2021, "Nanite"): builtin
-// tiles at the density whose cells, two triangles each, are as wide as a pixel (from 16 to 128 a period, by
+// tiles at the density whose cells, two triangles each, are as wide as a pixel (from 4 to 128 a period, by
 // powers of two), others as the file has them. Each pixel's nearest triangle says which parameter it sees;
 // the surface maps of `material` are read there, as by the marches. No multisampling.
 // `tile` as importer::loadTile takes it.

@@ -55,6 +55,8 @@ double askedLambda(const PlaneView& view) {
 std::vector<glm::vec3> tracedPicture(const importer::TileTracer& tracer, const PlaneView& view, int samples,
                                      int lights) {
   const int pixels = view.pixels;
+  const glm::dmat2 periods = periodsOf(view);
+  const glm::dvec2 corner = cornerOf(view);
   std::vector<glm::vec3> picture(size_t(pixels) * size_t(pixels));
   importer::parallelFor(size_t(pixels), 0, [&](size_t j) {
     const importer::FlushDenormals flush;
@@ -65,7 +67,7 @@ std::vector<glm::vec3> tracedPicture(const importer::TileTracer& tracer, const P
       const glm::dvec3 wo = towardsEye(view, (pixel + 0.5) / double(pixels));
       for (int s = 0; s < samples * samples; ++s) {
         const glm::dvec2 inside = (glm::dvec2(s % samples, s / samples) + 0.4871) / double(samples);
-        x[size_t(s)] = onPlane(view, (pixel + inside) / double(pixels));
+        x[size_t(s)] = corner + periods * ((pixel + inside) / double(pixels));
       }
       tracer.intersectViews(x, wo, hits);
       glm::dvec3 sum(0);

@@ -17,6 +17,7 @@ run() {
   done
   [[ ! -x $BIN/cli_loden ]] ||
     LODEN_KILL_MOMENTS=200 "$BIN/cli_loden" --gtest_filter='Kill.*' >>"$LOG" 2>&1 || status=1
+  "${BASH_SOURCE[0]%/*}/../bytes/compilers.sh" >>"$LOG" 2>&1 || status=1
   ((status == 0)) || { grep -h '^\[  FAILED' "$LOG" | sort -u >&2; exit 1; }
   [[ ! -x $BIN/stress_time_error ]] ||
     "$BIN/stress_time_error" "${RESULTS%/*}/time-error.svg" >"$LOG.times"

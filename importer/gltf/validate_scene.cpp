@@ -107,7 +107,7 @@ class SceneGraphCheck {
     if (shape->component_type == 5125)
       return bad(issue_id::kAttributeIntegers, "is of an accessor of 32-bit integers");
     if (shape->count != vertices)
-      return bad(issue_id::kAttributeCount, "has not as many elements as there are positions");
+      bad(issue_id::kAttributeCount, "has not as many elements as there are positions");
     if (shape->component_type != 5126) return;
     if (!finite_.contains(accessor)) {
       bool finite = true;

@@ -58,16 +58,15 @@ std::optional<uint32_t> unsignedInteger(const unsigned char* from, int type) {
 // Where `count` elements of `element` bytes lie in a view.
 Result<Elements> elementsOfView(const Reader& reader, int index, uint64_t offset, uint64_t count,
                                 uint64_t element, const std::string& name, const std::string& place) {
-  const auto bad = [&](const std::string& text) {
-    return reader.issue(issue_id::kGltfAccessor, place, name + text);
-  };
+  const auto bad = [&](int id, const std::string& text) { return reader.issue(id, place, name + text); };
   const Result<View> view = readView(reader, index, place);
   if (!view) return view.issue();
   const uint64_t stride = view->stride ? view->stride : element;
-  if (stride < element) return bad(": byteStride is smaller than an element");
+  if (stride < element) return bad(issue_id::kViewStride, ": byteStride is smaller than an element");
   if (offset > view->size || view->size - offset < element ||
       count - 1 > (view->size - offset - element) / stride)
-    return bad(" reaches beyond its buffer view of " + std::to_string(view->size) + " bytes");
+    return bad(issue_id::kAccessorRange,
+               " reaches beyond its buffer view of " + std::to_string(view->size) + " bytes");
   return Elements{view->data + offset, stride, count, 0, false, {}};
 }
 
@@ -89,43 +88,42 @@ Status ownElements(const Reader& reader, uint64_t element, const std::string& na
 Status replaceSparse(const Reader& reader, const tinygltf::Accessor& accessor, uint64_t element,
                      const std::string& name, const std::string& place, Elements& elements) {
   const auto& sparse = accessor.sparse;
-  const auto bad = [&](const std::string& text) {
-    return reader.issue(issue_id::kGltfAccessor, place, name + text);
-  };
+  const auto bad = [&](int id, const std::string& text) { return reader.issue(id, place, name + text); };
   if (sparse.count < 1 || uint64_t(sparse.count) > elements.count)
-    return bad(": its sparse count must be from 1 to the number of elements");
+    return bad(issue_id::kSparseCount, ": its sparse count must be from 1 to the number of elements");
   const auto count = static_cast<uint64_t>(sparse.count);
   const int index_bytes = tinygltf::GetComponentSizeInBytes(uint32_t(sparse.indices.componentType));
   if (index_bytes < 1 || index_bytes > 4 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
-    return bad(": its sparse indices are of an unknown type or place");
+    return bad(issue_id::kSparseIndices, ": its sparse indices are of an unknown type or place");
   const auto indices = elementsOfView(reader, sparse.indices.bufferView, uint64_t(sparse.indices.byteOffset),
                                       count, uint64_t(index_bytes), name, place);
-  if (!indices) return indices.issue();
+  if (!indices) return bad(issue_id::kSparseIndices, ": its sparse indices: " + indices.issue().text);
   const auto values = elementsOfView(reader, sparse.values.bufferView, uint64_t(sparse.values.byteOffset),
                                      count, element, name, place);
-  if (!values) return values.issue();
+  if (!values) return bad(issue_id::kSparseValues, ": its sparse values: " + values.issue().text);
   for (uint64_t i = 0; i < count; ++i) {
     const unsigned char* from = indices->data + i * indices->stride;
     const std::optional<uint32_t> index = unsignedInteger(from, sparse.indices.componentType);
-    if (!index || *index >= elements.count) return bad(": a sparse index lies beyond its elements");
+    if (!index || *index >= elements.count)
+      return bad(issue_id::kSparseRange, ": a sparse index lies beyond its elements");
     std::memcpy(elements.own.data() + *index * element, values->data + i * values->stride, element);
   }
   return {};
 }
 
-Result<Elements> readElements(const Reader& reader, int index, int components, const std::string& place) {
-  const auto bad = [&](const std::string& text) {
-    return reader.issue(issue_id::kGltfAccessor, place, text);
-  };
+Result<Elements> readElements(const Reader& reader, int index, int components, const std::string& place,
+                              const AccessorIssues& ids) {
+  const auto bad = [&](int id, const std::string& text) { return reader.issue(id, place, text); };
   if (index < 0 || size_t(index) >= reader.model.accessors.size())
-    return bad("accessor " + std::to_string(index) + " does not exist");
+    return bad(ids.missing, "accessor " + std::to_string(index) + " does not exist");
   const tinygltf::Accessor& accessor = reader.model.accessors[size_t(index)];
   const std::string name = "accessor " + std::to_string(index);
   if (tinygltf::GetNumComponentsInType(uint32_t(accessor.type)) != components)
-    return bad(name + " must have " + std::to_string(components) + " components per element");
+    return bad(ids.components, name + " must have " + std::to_string(components) + " components per element");
   const int component_bytes = tinygltf::GetComponentSizeInBytes(uint32_t(accessor.componentType));
-  if (component_bytes < 1 || component_bytes > 4) return bad(name + " has an unknown component type");
-  if (accessor.count == 0) return bad(name + " is empty");
+  if (component_bytes < 1 || component_bytes > 4)
+    return bad(issue_id::kAccessorComponent, name + " has an unknown component type");
+  if (accessor.count == 0) return bad(issue_id::kAccessorCount, name + " is empty");
   const uint64_t element = uint64_t(component_bytes) * uint64_t(components);
   Elements elements;
   elements.count = accessor.count;
@@ -153,27 +151,26 @@ int componentsOf(const Reader& reader, int accessor) {
 }
 
 Result<View> readView(const Reader& reader, int index, const std::string& place) {
-  const auto bad = [&](const std::string& text) {
-    return reader.issue(issue_id::kGltfAccessor, place, text);
-  };
+  const auto bad = [&](int id, const std::string& text) { return reader.issue(id, place, text); };
   if (index < 0 || size_t(index) >= reader.model.bufferViews.size())
-    return bad("buffer view " + std::to_string(index) + " does not exist");
+    return bad(issue_id::kAccessorView, "buffer view " + std::to_string(index) + " does not exist");
   if (const auto decoded = reader.decoded_views.find(index); decoded != reader.decoded_views.end())
     return View{decoded->second.data.data(), decoded->second.data.size(), decoded->second.stride};
   const tinygltf::BufferView& view = reader.model.bufferViews[index];
   if (view.buffer < 0 || size_t(view.buffer) >= reader.model.buffers.size())
-    return bad("buffer " + std::to_string(view.buffer) + " does not exist");
+    return bad(issue_id::kViewBuffer, "buffer " + std::to_string(view.buffer) + " does not exist");
   const std::vector<unsigned char>& buffer = reader.model.buffers[view.buffer].data;
   const uint64_t offset = view.byteOffset, length = view.byteLength;
   if (offset > buffer.size() || length > buffer.size() - offset)
-    return bad("buffer view " + std::to_string(index) + " reaches beyond its buffer of " +
-               std::to_string(buffer.size()) + " bytes");
+    return bad(issue_id::kViewRange, "buffer view " + std::to_string(index) +
+                                         " reaches beyond its buffer of " + std::to_string(buffer.size()) +
+                                         " bytes");
   return View{buffer.data() + offset, length, view.byteStride};
 }
 
 Result<std::vector<float>> readFloats(const Reader& reader, int index, int components,
-                                      const std::string& place) {
-  const Result<Elements> elements = readElements(reader, index, components, place);
+                                      const std::string& place, const AccessorIssues& ids) {
+  const Result<Elements> elements = readElements(reader, index, components, place, ids);
   if (!elements) return elements.issue();
   const int component_bytes = tinygltf::GetComponentSizeInBytes(elements->component_type);
   std::vector<float> values;
@@ -184,8 +181,9 @@ Result<std::vector<float>> readFloats(const Reader& reader, int index, int compo
       const float value =
           component(from + c * component_bytes, elements->component_type, elements->normalized);
       if (!std::isfinite(value))
-        return reader.issue(issue_id::kGltfAccessor, place,
-                            "element " + std::to_string(i) + " is not finite, or of an unsupported type");
+        return reader.issue(
+            elements->component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT ? ids.integers : ids.finite,
+            place, "element " + std::to_string(i) + " is not finite, or of an unsupported type");
       values.push_back(value);
     }
   }
@@ -194,16 +192,17 @@ Result<std::vector<float>> readFloats(const Reader& reader, int index, int compo
 
 Result<std::vector<uint32_t>> readIndices(const Reader& reader, int index, uint32_t limit,
                                           const std::string& place) {
-  const Result<Elements> elements = readElements(reader, index, 1, place);
+  const Result<Elements> elements =
+      readElements(reader, index, 1, place, {issue_id::kIndexAccessor, issue_id::kIndexType});
   if (!elements) return elements.issue();
   std::vector<uint32_t> values(elements->count);
   for (uint64_t i = 0; i < elements->count; ++i) {
     const unsigned char* from = elements->data + i * elements->stride;
     const std::optional<uint32_t> value = unsignedInteger(from, elements->component_type);
-    if (!value) return reader.issue(issue_id::kGltfAccessor, place, "indices must be unsigned integers");
+    if (!value) return reader.issue(issue_id::kIndexType, place, "indices must be unsigned integers");
     values[i] = *value;
     if (values[i] >= limit)
-      return reader.issue(issue_id::kGltfAccessor, place,
+      return reader.issue(issue_id::kIndexRange, place,
                           "index " + std::to_string(i) + " is " + std::to_string(values[i]) +
                               ", but there are only " + std::to_string(limit) + " vertices");
   }

@@ -28,7 +28,8 @@ Result<Skin> readSkin(const Reader& reader, size_t index) {
   }
   skin.joint_from_mesh.resize(skin.joints.size(), glm::mat4(1));
   if (source.inverseBindMatrices < 0) return skin;
-  const auto matrices = readFloats(reader, source.inverseBindMatrices, 16, place + ".inverseBindMatrices");
+  const auto matrices = readFloats(reader, source.inverseBindMatrices, 16, place + ".inverseBindMatrices",
+                                   AccessorIssues::others());
   if (!matrices) return matrices.issue();
   if (matrices->size() < 16 * skin.joints.size())
     return reader.issue(issue_id::kGltfAccessor, place + ".inverseBindMatrices",
@@ -69,13 +70,14 @@ Status readKeys(const Reader& reader, const tinygltf::AnimationSampler& sampler,
                 AnimationChannel& channel) {
   if (sampler.interpolation == "STEP") channel.interpolation = Interpolation::kStep;
   if (sampler.interpolation == "CUBICSPLINE") channel.interpolation = Interpolation::kCubic;
-  auto times = readFloats(reader, sampler.input, 1, place + ".input");
+  auto times = readFloats(reader, sampler.input, 1, place + ".input", AccessorIssues::others());
   if (!times) return times.issue();
   for (size_t i = 1; i < times->size(); ++i)
     if (!((*times)[i] > (*times)[i - 1]))
       return reader.issue(issue_id::kGltfAccessor, place + ".input",
                           "time " + std::to_string(i) + " is not later than the one before");
-  auto values = readFloats(reader, sampler.output, storedWidth(channel.target), place + ".output");
+  auto values = readFloats(reader, sampler.output, storedWidth(channel.target), place + ".output",
+                           AccessorIssues::others());
   if (!values) return values.issue();
   const size_t parts = channel.interpolation == Interpolation::kCubic ? 3 : 1;
   channel.width = size_t(storedWidth(channel.target));

@@ -20,7 +20,7 @@ Result<SceneAsset> readAsset(const Reader& reader, const tinygltf::Value& object
   const std::string uri = stringMember(object, "uri");
   const std::optional<int> view = indexMember(object, "bufferView");
   if (uri.empty() == !view.has_value())
-    return reader.issue(issue_id::kGltfExtension, place, "needs either uri or bufferView");
+    return reader.issue(issue_id::kAssetSource, place, "needs either uri or bufferView");
   SceneAsset asset;
   if (view) {
     const Result<View> bytes = readView(reader, *view, place);
@@ -46,7 +46,7 @@ Status readScale(const Reader& reader, const tinygltf::Value& object, const std:
       value.IsArray() && value.ArrayLen() == 2 && value.Get(0).IsNumber() && value.Get(1).IsNumber();
   if (pair) scale = glm::vec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
   if (!pair || !std::isfinite(scale.x + scale.y) || scale.x == 0 || scale.y == 0)
-    return reader.issue(issue_id::kGltfExtension, place, "scale must be two finite numbers other than 0");
+    return reader.issue(issue_id::kMaterialScale, place, "scale must be two finite numbers other than 0");
   return {};
 }
 
@@ -55,12 +55,13 @@ Result<FlatBtfBinding> readBinding(const Reader& reader, const tinygltf::Value& 
   FlatBtfBinding binding;
   const std::optional<int> asset = indexMember(object, "asset");
   if (!asset || size_t(*asset) >= reader.scene.assets.size())
-    return reader.issue(issue_id::kGltfExtension, place, "asset must be an index into the document's assets");
+    return reader.issue(issue_id::kMaterialAsset, place, "asset must be an index into the document's assets");
   binding.asset = *asset;
   binding.tex_coord = indexMember(object, "texCoord").value_or(0);
   const double rotation = numberMember(object, "rotation").value_or(0);
-  if (binding.tex_coord > 15 || !std::isfinite(rotation))
-    return reader.issue(issue_id::kGltfExtension, place, "texCoord must be 0 .. 15 and rotation finite");
+  if (binding.tex_coord > 15) return reader.issue(issue_id::kTexCoord, place, "texCoord must be 0 .. 15");
+  if (!std::isfinite(rotation))
+    return reader.issue(issue_id::kMaterialRotation, place, "rotation must be finite");
   binding.rotation = static_cast<float>(rotation);
   if (Status scale = readScale(reader, object, place, binding.scale); !scale) return scale.issue();
   return binding;
@@ -73,7 +74,7 @@ Status readAssets(Reader& reader) {
   if (!root) return {};
   const std::string place = std::string("extensions.") + kExtension;
   if (!root->Has("assets") || !root->Get("assets").IsArray())
-    return reader.issue(issue_id::kGltfExtension, place, "needs an array \"assets\"");
+    return reader.issue(issue_id::kExtensionAssets, place, "needs an array \"assets\"");
   const tinygltf::Value& assets = root->Get("assets");
   for (size_t i = 0; i < assets.ArrayLen(); ++i) {
     auto asset = readAsset(reader, assets.Get(static_cast<int>(i)), i);

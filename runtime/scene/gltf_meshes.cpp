@@ -45,7 +45,7 @@ Result<std::vector<float>> readAttribute(const Reader& reader, const tinygltf::P
   if (accessor < 0) return std::vector<float>();
   auto values = readFloats(reader, accessor, components, place + ".attributes." + name);
   if (values && values->size() != mesh.vertices.size() * size_t(components))
-    return reader.issue(issue_id::kGltfAccessor, place + ".attributes." + name,
+    return reader.issue(issue_id::kAttributeCount, place + ".attributes." + name,
                         "has " + std::to_string(values->size() / size_t(components)) + " elements for " +
                             std::to_string(mesh.vertices.size()) + " vertices");
   return values;
@@ -53,6 +53,8 @@ Result<std::vector<float>> readAttribute(const Reader& reader, const tinygltf::P
 
 Status readPositions(const Reader& reader, const tinygltf::Primitive& primitive, const std::string& place,
                      Mesh& mesh) {
+  if (attribute(primitive, "POSITION") < 0)
+    return reader.issue(issue_id::kNoPosition, place, "has no attribute POSITION");
   const auto positions =
       readFloats(reader, attribute(primitive, "POSITION"), 3, place + ".attributes.POSITION");
   if (!positions) return positions.issue();
@@ -89,7 +91,7 @@ Status readTriangles(const Reader& reader, const tinygltf::Primitive& primitive,
   }
   if (isStripOrFan(primitive)) mesh.indices = triangleList(mesh.indices, primitive.mode);
   if (mesh.indices.size() % 3 != 0)
-    return reader.issue(issue_id::kGltfAccessor, place, "the number of indices is no multiple of 3");
+    return reader.issue(issue_id::kTriangleCorners, place, "the number of indices is no multiple of 3");
   if (mesh.indices.size() > 3 * kMaxVertices)
     return reader.issue(issue_id::kGltfAccessor, place, "too many triangles");
   return {};
@@ -180,7 +182,8 @@ Result<std::vector<glm::vec3>> readDeltas(const Reader& reader, const std::map<s
   const auto values = readFloats(reader, found->second, 3, place + "." + name);
   if (!values) return values.issue();
   if (values->size() != 3 * count)
-    return reader.issue(issue_id::kGltfAccessor, place + "." + name, "has not as many elements as vertices");
+    return reader.issue(issue_id::kAttributeCount, place + "." + name,
+                        "has not as many elements as vertices");
   for (size_t i = 0; i < values->size(); i += 3)
     deltas.emplace_back((*values)[i], (*values)[i + 1], (*values)[i + 2]);
   return deltas;
@@ -237,7 +240,7 @@ Result<std::optional<Subdivision>> readSubdivision(const Reader& reader, const t
   const bool quads = object.IsObject() && object.Has("quads") && object.Get("quads").IsBool() &&
                      object.Get("quads").Get<bool>();
   if (!levels || *levels < 1 || *levels > kMaxLimitLevels || !quads)
-    return reader.issue(issue_id::kGltfExtension, place + ".extras.loden_subdivision",
+    return reader.issue(issue_id::kSubdivision, place + ".extras.loden_subdivision",
                         "needs \"levels\" 1 .. " + std::to_string(kMaxLimitLevels) + " and \"quads\": true");
   return Answer(Subdivision{*levels});
 }
@@ -259,7 +262,7 @@ Status readPrimitive(Reader& reader, size_t mesh_index, size_t index) {
            Status();
   const int material = materialIndex(reader, primitive);
   if (material < -1 || material >= static_cast<int>(reader.scene.materials.size()))
-    return reader.issue(issue_id::kGltfAccessor, place, "material does not exist");
+    return reader.issue(issue_id::kPrimitiveMaterial, place, "material does not exist");
 
   Mesh mesh;
   mesh.name = source.name;

@@ -135,7 +135,7 @@ Result<int> lightIndex(const Reader& reader, const tinygltf::Node& node, const s
   if (found == node.extensions.end()) return -1;
   const std::optional<int> index = indexMember(found->second, "light");
   if (!index || size_t(*index) >= reader.model.lights.size())
-    return reader.issue(issue_id::kGltfNode, place + ".extensions.KHR_lights_punctual",
+    return reader.issue(issue_id::kNodeLight, place + ".extensions.KHR_lights_punctual",
                         "light does not exist");
   return *index;
 }
@@ -143,14 +143,14 @@ Result<int> lightIndex(const Reader& reader, const tinygltf::Node& node, const s
 Status addNode(Reader& reader, size_t index, int scene_node, const glm::mat4& world) {
   const tinygltf::Node& node = reader.model.nodes[index];
   const std::string place = at("nodes", index);
-  const auto bad = [&](const char* text) { return reader.issue(issue_id::kGltfNode, place, text); };
-  if (!isFinite(world)) return bad("its world transform is not finite");
+  const auto bad = [&](int id, const char* text) { return reader.issue(id, place, text); };
+  if (!isFinite(world)) return bad(issue_id::kNodeNumbers, "its world transform is not finite");
   if (node.mesh < -1 || node.mesh >= static_cast<int>(reader.model.meshes.size()))
-    return bad("mesh does not exist");
+    return bad(issue_id::kNodeMesh, "mesh does not exist");
   if (node.camera < -1 || node.camera >= static_cast<int>(reader.model.cameras.size()))
-    return bad("camera does not exist");
+    return bad(issue_id::kNodeCamera, "camera does not exist");
   if (node.skin < -1 || node.skin >= static_cast<int>(reader.model.skins.size()))
-    return bad("skin does not exist");
+    return bad(issue_id::kNodeSkin, "skin does not exist");
   const Result<int> light = lightIndex(reader, node, place);
   if (!light) return light.issue();
   if (node.mesh >= 0)
@@ -167,7 +167,7 @@ Result<std::vector<int>> rootNodes(const Reader& reader) {
   if (!model.scenes.empty()) {
     const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
     if (size_t(scene) >= model.scenes.size())
-      return reader.issue(issue_id::kGltfNode, "scene", "the default scene does not exist");
+      return reader.issue(issue_id::kSceneDefault, "scene", "the default scene does not exist");
     return model.scenes[scene].nodes;
   }
   std::vector<bool> is_child(model.nodes.size(), false);
@@ -199,7 +199,8 @@ Status readNodes(Reader& reader) {
     const Pending next = stack.back();
     stack.pop_back();
     if (next.node < 0 || size_t(next.node) >= reader.nodes.size())
-      return reader.issue(issue_id::kGltfNode, at("nodes", size_t(next.node)), "does not exist");
+      return reader.issue(next.parent < 0 ? issue_id::kSceneNode : issue_id::kNodeChild,
+                          at("nodes", size_t(next.node)), "does not exist");
     if (reader.nodes[size_t(next.node)] >= 0)
       return reader.issue(issue_id::kGltfNode, at("nodes", next.node),
                           "is part of a loop, or has two parents");

@@ -61,10 +61,20 @@ struct View {
 };
 Result<View> readView(const Reader& reader, int view, const std::string& place);
 
+// The issues of what is read through an accessor; the defaults are those of a mesh's attributes.
+struct AccessorIssues {
+  int missing = issue_id::kAttributeAccessor, components = issue_id::kAttributeComponents,
+      finite = issue_id::kAttributeFinite, integers = issue_id::kAttributeIntegers;
+  static AccessorIssues others() {
+    using issue_id::kGltfAccessor;
+    return {kGltfAccessor, kGltfAccessor, kGltfAccessor, kGltfAccessor};
+  }
+};
+
 // `components` (1..4, or 16) floats per element, of a float or normalised integer accessor; every value
 // finite.
 Result<std::vector<float>> readFloats(const Reader& reader, int accessor, int components,
-                                      const std::string& place);
+                                      const std::string& place, const AccessorIssues& ids = {});
 // Components per element; 0 if there is no such accessor.
 int componentsOf(const Reader& reader, int accessor);
 // Unsigned integers of a scalar accessor, each below `limit`.

@@ -22,7 +22,12 @@ struct ConfinedFiles {
 
   static Result<std::filesystem::path> find(const std::string& name, void* user_data) {
     auto* self = static_cast<ConfinedFiles*>(user_data);
-    auto path = confinedPath(self->folder, name, "glTF");
+    // tinygltf decodes data URIs of the media types that glTF knows, and takes others for files.
+    Result<std::filesystem::path> path =
+        name.starts_with("data:")
+            ? Issue{issue_id::kMediaType, Severity::kError, "glTF",
+                    "a data URI is of another media type than glTF knows: " + name.substr(0, 40)}
+            : confinedPath(self->folder, name, "glTF");
     if (!path && !self->refused) self->refused = path.issue();
     return path;
   }

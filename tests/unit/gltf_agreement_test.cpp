@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/gltf/pack.h"
+#include "material/base/issues.h"
 #include "runtime/scene/gltf_scene.h"
 
 namespace loden {
@@ -58,6 +59,20 @@ class GltfAgreement : public testing::Test {
                                   [](const Issue& issue) { return issue.severity == Severity::kError; });
   }
   static bool isLoaded(const fs::path& path) { return runtime::loadGltfScene(path).ok(); }
+  // Both refuse it, and the loader's issue is one of those that the validator lists, or one of a whole kind
+  // of faults, where the loader does not tell them apart.
+  static void expectRefused(const fs::path& path, const std::string& what) {
+    const auto issues = importer::validateGltf(path);
+    const auto loaded = runtime::loadGltfScene(path);
+    EXPECT_FALSE(isValid(path)) << what;
+    ASSERT_FALSE(loaded.ok()) << what;
+    const int id = loaded.issue().id;
+    const bool listed = issues ? std::any_of(issues->begin(), issues->end(),
+                                             [&](const Issue& issue) { return issue.id == id; })
+                               : issues.issue().id == id;
+    const bool kind = id == issue_id::kGltfParse || id == issue_id::kGltfNode;
+    EXPECT_TRUE(listed || kind) << what << ": " << id << " " << loaded.issue().text;
+  }
 
   fs::path folder_;
 };
@@ -134,8 +149,7 @@ TEST_F(GltfAgreement, BothRefuseWhatIsNot) {
   for (size_t k = 0; k < changes.size(); ++k) {
     Json json = scene();
     changes[k](json);
-    EXPECT_FALSE(isValid(write(json))) << k << ": " << json;
-    EXPECT_FALSE(isLoaded(write(json))) << k << ": " << json;
+    expectRefused(write(json), std::to_string(k) + ": " + json.dump());
   }
 }
 
@@ -151,8 +165,7 @@ TEST_F(GltfAgreement, BothRefuseExtensionsThatAreNotSound) {
        {R"({})", R"({"asset": 1})", R"({"asset": -1})", R"({"asset": 0.5})", R"({"asset": "0"})",
         R"({"asset": 0, "scale": [0, 0]})", R"({"asset": 0, "scale": [1]})", R"({"asset": 0, "scale": 2})",
         R"({"asset": 0, "scale": [1e300, 1]})", R"({"asset": 0, "texCoord": 16})"}) {
-    EXPECT_FALSE(isValid(write(with(Json::parse(text))))) << text;
-    EXPECT_FALSE(isLoaded(write(with(Json::parse(text))))) << text;
+    expectRefused(write(with(Json::parse(text))), text);
   }
 }
 

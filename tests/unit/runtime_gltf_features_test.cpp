@@ -45,7 +45,7 @@ TEST(GltfFeatures, SparseAccessorsReplaceElements) {
     EXPECT_EQ(scene->meshes[0].vertices[1].position, glm::vec3(0));
   }
   accessor["sparse"]["count"] = 5;
-  EXPECT_EQ(withPositions(builder, accessor).issue().id, issue_id::kGltfAccessor);
+  EXPECT_EQ(withPositions(builder, accessor).issue().id, issue_id::kSparseCount);
 }
 
 TEST(GltfFeatures, SparseIndicesBeyondTheElementsAreRefused) {

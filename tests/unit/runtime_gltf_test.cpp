@@ -184,35 +184,35 @@ TEST(GltfScene, RejectsAnAssetOutsideItsFolder) {
 TEST(GltfScene, RejectsAccessorsLargerThanTheirView) {
   Document document;
   document.accessors.replace(document.accessors.find("\"count\":3"), 9, "\"count\":1000000");
-  expectIssue(load(document), issue_id::kGltfAccessor, "meshes[0].primitives[0]");
+  expectIssue(load(document), issue_id::kAccessorRange, "meshes[0].primitives[0]");
   document = {};
   document.accessors.replace(document.accessors.find("\"bufferView\":0"), 14,
                              "\"bufferView\":0,\"byteOffset\":4294967295");
-  expectIssue(load(document), issue_id::kGltfAccessor);
+  expectIssue(load(document), issue_id::kAccessorRange);
 }
 
 TEST(GltfScene, RejectsViewsLargerThanTheirBuffer) {
   Document document;
   document.views.replace(document.views.find("36"), 2, "4294967295");
-  expectIssue(load(document), issue_id::kGltfAccessor);
+  expectIssue(load(document), issue_id::kViewRange);
 }
 
 TEST(GltfScene, RejectsIndicesBeyondTheVertices) {
-  expectIssue(load({}, triangleBuffer(1, 3)), issue_id::kGltfAccessor, "indices");
+  expectIssue(load({}, triangleBuffer(1, 3)), issue_id::kIndexRange, "indices");
 }
 
 TEST(GltfScene, RejectsPositionsThatAreNotFinite) {
-  expectIssue(load({}, triangleBuffer(std::numeric_limits<float>::quiet_NaN())), issue_id::kGltfAccessor,
+  expectIssue(load({}, triangleBuffer(std::numeric_limits<float>::quiet_NaN())), issue_id::kAttributeFinite,
               "POSITION");
 }
 
 TEST(GltfScene, RejectsWrongTypesAndMissingPositions) {
   Document document;
   document.accessors.replace(document.accessors.find("VEC3"), 4, "VEC2");
-  expectIssue(load(document), issue_id::kGltfAccessor, "POSITION");
+  expectIssue(load(document), issue_id::kAttributeComponents, "POSITION");
   document = {};
   document.meshes = R"([{"primitives":[{"attributes":{"TEXCOORD_0":1}}]}])";
-  expectIssue(load(document), issue_id::kGltfAccessor, "POSITION");
+  expectIssue(load(document), issue_id::kNoPosition, "primitives[0]");
 }
 
 TEST(GltfScene, RejectsNodeLoopsAndSharedNodes) {
@@ -224,7 +224,7 @@ TEST(GltfScene, RejectsNodeLoopsAndSharedNodes) {
   expectIssue(load(document), issue_id::kGltfNode, "nodes[2]");
   document.nodes = R"([{"mesh":9}])";
   document.scene_nodes = "[0]";
-  expectIssue(load(document), issue_id::kGltfNode, "nodes[0]");
+  expectIssue(load(document), issue_id::kNodeMesh, "nodes[0]");
 }
 
 TEST(GltfScene, FollowsVeryDeepNodeChains) {
@@ -246,18 +246,21 @@ TEST(GltfScene, RefusesUnknownRequiredExtensions) {
 
 TEST(GltfScene, RejectsBadExtensionObjects) {
   const std::string assets = R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"uri":"a.loden"}]}})";
-  for (const char* object :
-       {R"({"asset":1})", R"({})", R"({"asset":0,"scale":[0,1]})", R"({"asset":0,"scale":[1]})",
-        R"({"asset":-1})", R"({"asset":0,"texCoord":99})"}) {
+  for (const auto& [object, id] : {std::pair{R"({"asset":1})", issue_id::kMaterialAsset},
+                                   {R"({})", issue_id::kMaterialAsset},
+                                   {R"({"asset":0,"scale":[0,1]})", issue_id::kMaterialScale},
+                                   {R"({"asset":0,"scale":[1]})", issue_id::kMaterialScale},
+                                   {R"({"asset":-1})", issue_id::kMaterialAsset},
+                                   {R"({"asset":0,"texCoord":99})", issue_id::kTexCoord}}) {
     Document document;
     document.rest = assets;
     document.materials = R"([{"extensions":{"LODEN_materials_flat_btf":)" + std::string(object) + "}}]";
-    expectIssue(load(document), issue_id::kGltfExtension, "materials[0]");
+    expectIssue(load(document), id, "materials[0]");
   }
   Document document;
   document.rest =
       R"(,"extensions":{"LODEN_materials_flat_btf":{"assets":[{"uri":"a.loden","bufferView":0}]}})";
-  expectIssue(load(document), issue_id::kGltfExtension, "assets[0]");
+  expectIssue(load(document), issue_id::kAssetSource, "assets[0]");
 }
 
 TEST(GltfScene, RejectsTruncationAtEveryByteOfABinaryFile) {

@@ -7,8 +7,9 @@
 // temporal_error  energy of the renderer's differences less the truth's, to the truth's: 0 if it changes as
 //                 the truth does, 1 for a picture that never changes.
 //
-// The truth has 256 samples a pixel. Rows of 1 and 16 samples tell what sampling alone does: the excess of 16
-// over 1 falls at least as 1 / samples, so that a sixteenth of it may be left in the truth.
+// The truth has 256 samples a pixel, beyond lambda 2 1024. Rows of 1 sample and of a quarter of the truth's
+// tell what sampling alone does: what the latter has in excess of 1 falls at least as 1 / samples, so that at
+// most a third of it is left in the truth.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,7 +25,11 @@ using namespace loden::bench;
 using importer::BakedOutput;
 using importer::Picture;
 
-constexpr int kPixels = 48, kFrames = 60, kTruthSamples = 16;  // samples per pixel side
+constexpr int kPixels = 48, kFrames = 60;
+
+int truthSamples(double lambda) {  // per pixel side
+  return lambda > 2 ? 32 : 16;
+}
 
 using Frames = std::vector<std::vector<glm::vec3>>;
 
@@ -107,8 +112,9 @@ importer::StudyRow compared(const std::string& tile, const Motion& motion, doubl
   return row;
 }
 
-// A row per renderer: four frames, the middle line of the frames, each below that of the one before, and the
-// root mean square of what changes otherwise than in the truth, five times as bright. Every pixel is 2 x 2.
+// A row for the truth, then one per renderer: four frames, the middle line of the frames, each below that of
+// the one before, and the root mean square of what changes otherwise than in the truth, five times as bright.
+// Every pixel is 2 x 2.
 class Strip {
  public:
   void add(const Frames& frames, const Frames& truth) {
@@ -153,23 +159,32 @@ struct Arguments {
   std::filesystem::path pictures;
 };
 
+// One setting of each renderer: its default lookup, or its last.
+bool isShown(const TileRenderer& renderer, const std::vector<TileRenderer>& all) {
+  const TileRenderer* shown = nullptr;
+  for (const TileRenderer& other : all)
+    if (other.name == renderer.name && (!shown || shown->setting != "default lookup")) shown = &other;
+  return shown == &renderer;
+}
+
 void measureMotion(const FullScreen& screen, const std::vector<TileRenderer>& renderers,
                    const Arguments& arguments, const std::string& tile, const Motion& motion,
                    const PlaneView& from, const importer::TileTracer& tracer, importer::StudyRows& rows) {
   const std::vector<PlaneView> views = viewsOf(motion, from);
-  const Frames truth = traced(tracer, views, kTruthSamples);
+  const int samples = truthSamples(from.lambda), fewer = samples / 2;
+  const Frames truth = traced(tracer, views, samples);
   Strip strip;
   strip.add(truth, truth);
   const auto add = [&](const std::string& renderer, const std::string& setting, const Frames& frames) {
     rows.push_back(compared(tile, motion, from.lambda, renderer, setting, frames, truth));
   };
   add("traced", "1 sample a pixel", traced(tracer, views, 1));
-  add("traced", "16 samples a pixel", traced(tracer, views, 4));
+  add("traced", std::to_string(fewer * fewer) + " samples a pixel", traced(tracer, views, fewer));
   for (const TileRenderer& renderer : renderers) {
     const RendererPrograms programs = compileRenderer(screen, renderer, views, 1);
     const Frames frames = drawn(screen, renderer, programs.plain, views);
     add(renderer.name, renderer.setting, frames);
-    strip.add(frames, truth);
+    if (isShown(renderer, renderers)) strip.add(frames, truth);
   }
   if (arguments.pictures.empty()) return;
   std::filesystem::create_directories(arguments.pictures);
@@ -185,7 +200,7 @@ void measureTile(const runtime::Device& device, const FullScreen& screen, const 
   const importer::Tile mesh = require(importer::loadTile(importer::studyTileName(tile)));
   const importer::TileTracer tracer(mesh);
   const std::vector<TileRenderer> renderers =
-      tileRenderers(device, arguments.tile, tile, baked, std::make_shared<const glm::vec3>(0));
+      tileRenderers(device, arguments.tile, tile, baked, tracer, std::make_shared<const glm::vec3>(0));
   for (const Motion& motion : kMotions) {
     if (std::find(arguments.motions.begin(), arguments.motions.end(), motion.name) == arguments.motions.end())
       continue;
@@ -231,9 +246,11 @@ int main(int argc, char** argv) {
   for (const std::string& tile : arguments.tile.study.tiles)
     measureTile(*device, screen, arguments, tile, rows);
   char heading[256];
-  std::snprintf(heading, sizeof heading,
-                "bench_motion: %d frames of %d x %d pixels, truth of %d samples a pixel, %s", kFrames,
-                kPixels, kPixels, kTruthSamples * kTruthSamples, device->capabilities().renderer.c_str());
+  std::snprintf(
+      heading, sizeof heading,
+      "bench_motion: %d frames of %d x %d pixels, truth of %d samples a pixel, beyond lambda 2 %d, %s",
+      kFrames, kPixels, kPixels, truthSamples(0) * truthSamples(0), truthSamples(4) * truthSamples(4),
+      device->capabilities().renderer.c_str());
   return reportRows(arguments.tile, {"motion", "difference energy of moving pictures", nullptr}, heading,
                     rows);
 }

@@ -75,6 +75,43 @@ const std::string kFreeUnitDefine = "FREE_UNIT " + std::to_string(kFreeUnit);
 
 }  // namespace
 
+Material seenFromAbove(Material material, const importer::TileTracer& tracer) {
+  if (material.geometry.identity_parameterization) return material;
+  const SurfaceMaps of_tile = *material.surface;
+  for (Texture SurfaceMaps::*map : {&SurfaceMaps::normal, &SurfaceMaps::color}) {
+    Texture& seen = (*material.surface).*map;
+    // Roots of albedo are averaged as albedo.
+    const bool roots = map == &SurfaceMaps::color;
+    const auto linear = [&](const Texture& texture, int mip, int x, int y) {
+      const glm::vec4 texel = fetchTexel(texture, mip, x, y, 0);
+      return roots ? glm::vec4(glm::vec3(texel) * glm::vec3(texel), texel.w) : texel;
+    };
+    const auto store = [&](int mip, int x, int y, glm::vec4 mean) {
+      if (roots) mean = glm::vec4(glm::sqrt(glm::vec3(mean)), mean.w);
+      storeTexel(seen, mip, x, y, 0, mean);
+    };
+    const int side = seen.width;
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        glm::vec4 sum(0);
+        for (const glm::dvec2 inside : {glm::dvec2(.26, .23), {.76, .27}, {.24, .73}, {.77, .74}})
+          if (const auto hit = tracer.intersectView((glm::dvec2(x, y) + inside) / double(side), {0, 0, 1})) {
+            const glm::ivec2 p(glm::min(glm::fract(hit->p) * double(side), double(side) - 1));
+            sum += linear(of_tile.*map, 0, p.x, p.y) / 4.0f;
+          }
+        store(0, x, y, sum);
+      }
+    for (int mip = 1; mip < seen.mips; ++mip)
+      for (int y = 0; y < side >> mip; ++y)
+        for (int x = 0; x < side >> mip; ++x)
+          store(mip, x, y,
+                (linear(seen, mip - 1, 2 * x, 2 * y) + linear(seen, mip - 1, 2 * x + 1, 2 * y) +
+                 linear(seen, mip - 1, 2 * x, 2 * y + 1) + linear(seen, mip - 1, 2 * x + 1, 2 * y + 1)) /
+                    4.0f);
+  }
+  return material;
+}
+
 HeightMap::HeightMap(const GeometryImage& geometry) {
   const int side = geometry.side(), mips = fullMipCount(side, side);
   std::vector<float> depths;

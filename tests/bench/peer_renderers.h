@@ -9,6 +9,10 @@
 
 namespace loden::bench {
 
+// Surface maps over the parameter domain, made maps of what rays from straight above meet: those of a
+// normal-mapped plane. The same where the parameterization is the identity.
+Material seenFromAbove(Material material, const importer::TileTracer& tracer);
+
 // The heights of a tile that is a height field (identity parameterization) as a mip-mapped texture of 16
 // bits.
 class HeightMap {

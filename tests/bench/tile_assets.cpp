@@ -52,6 +52,7 @@ Material smallestFused(const BakedOutput& baked) {
 
 std::vector<TileRenderer> tileRenderers(const Device& device, const TileArguments& arguments,
                                         const std::string& tile, const BakedOutput& baked,
+                                        const importer::TileTracer& tracer,
                                         std::shared_ptr<const glm::vec3> constant) {
   const std::string stem = std::filesystem::path(tile).stem().string();
   const auto asset = [&](const char* name, auto make) {
@@ -70,7 +71,9 @@ std::vector<TileRenderer> tileRenderers(const Device& device, const TileArgument
   };
   if (arguments.wants("constant colour"))
     all.push_back(constantRenderer(device, without_geometry, std::move(constant)));
-  add(kBaseRenderer, "diffuse, normal, specular at x", without_geometry, Lookup::kNone);
+  Material from_above = seenFromAbove(maps, tracer);
+  from_above.geometry = {};
+  add(kBaseRenderer, "diffuse, normal, specular at x", from_above, Lookup::kNone);
   if (baked.manifest().identity_parameterization) {
     const auto heights = std::make_shared<const HeightMap>(maps.geometry);
     const auto march = [&](const char* name, int steps, int bisections) {

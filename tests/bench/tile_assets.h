@@ -18,6 +18,7 @@ inline constexpr const char* kBaseRenderer = "normal map";
 // two. `constant` is what a constant colour draws.
 std::vector<TileRenderer> tileRenderers(const runtime::Device& device, const TileArguments& arguments,
                                         const std::string& tile, const importer::BakedOutput& baked,
+                                        const importer::TileTracer& tracer,
                                         std::shared_ptr<const glm::vec3> constant);
 
 }  // namespace loden::bench

@@ -15,11 +15,14 @@
 //
 // What it draws with: tile_renderers.h and peer_renderers.h; which renderers there are: tile_assets.h.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "importer/base/flip.h"
 #include "importer/base/metrics.h"
+#include "importer/base/picture.h"
 #include "tests/bench/tile_assets.h"
 
 namespace {
@@ -57,16 +60,31 @@ Fetches countFetches(const std::vector<glm::vec4>& pixels) {
   return fetches;
 }
 
+// As a PNG; `name` may be any text.
+void writePicture(const std::filesystem::path& folder, std::string name, const std::vector<glm::vec3>& rows) {
+  if (folder.empty()) return;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.') c = '_';
+  importer::Picture picture{kPixels, kPixels, {}};
+  for (int y = kPixels - 1; y >= 0; --y)
+    for (int x = 0; x < kPixels; ++x) picture.pixels.emplace_back(rows[size_t(y * kPixels + x)], 1);
+  std::filesystem::create_directories(folder);
+  if (const Status status = importer::writePicture(picture, folder / (name + ".png")); !status)
+    fail(status.issue());
+}
+
 // What one renderer costs and how far it is off.
 importer::StudyRow measured(const FullScreen& screen, const TileRenderer& renderer,
                             const runtime::GlProgram& counting, const PlaneView& view,
-                            const std::vector<glm::vec3>& expected) {
+                            const std::vector<glm::vec3>& expected, const std::filesystem::path& pictures,
+                            const std::string& scene) {
   double bytes = 0;
   drawRenderer(screen, renderer, counting, view, Counted::kBytes);
   for (const glm::vec4& pixel : screen.read()) bytes += double(pixel.w);
   drawRenderer(screen, renderer, counting, view);
   const std::vector<glm::vec4> counted = screen.read();
   const std::vector<glm::vec3> got(counted.begin(), counted.end());
+  writePicture(pictures, scene + "-" + renderer.name + "-" + renderer.setting, got);
   const Fetches fetches = countFetches(counted);
   importer::ErrorSums error;
   error.add(expected, got);
@@ -81,7 +99,11 @@ importer::StudyRow measured(const FullScreen& screen, const TileRenderer& render
 // One picture by all renderers, by turns.
 void measureView(const FullScreen& screen, const std::vector<TileRenderer>& renderers,
                  const std::string& tile, const PlaneView& view, int lights,
-                 const std::vector<glm::vec3>& expected, importer::StudyRows& rows) {
+                 const std::vector<glm::vec3>& expected, const std::filesystem::path& pictures,
+                 importer::StudyRows& rows) {
+  const std::string scene =
+      std::filesystem::path(tile).stem().string() + "-" + number(view.lambda) + "-" + number(view.degrees);
+  writePicture(pictures, scene + "-truth", expected);
   std::vector<RendererPrograms> programs;
   for (const TileRenderer& renderer : renderers)
     programs.push_back(compileRenderer(screen, renderer, std::span(&view, 1), lights));
@@ -106,7 +128,7 @@ void measureView(const FullScreen& screen, const std::vector<TileRenderer>& rend
     row.set("renderer", renderers[i].name).set("setting", renderers[i].setting);
     row.set("ms_median", ms[task_of[i]]).set("ratio_to_normal_map", ms[task_of[i]] / base_ms);
     const importer::StudyRow of_picture =
-        measured(screen, renderers[i], programs[i].counting, view, expected);
+        measured(screen, renderers[i], programs[i].counting, view, expected, pictures, scene);
     for (const auto& [key, value] : of_picture.cells())
       std::visit([&, &key = key](const auto& v) { row.set(key, v); }, value);
     rows.push_back(std::move(row));
@@ -117,6 +139,7 @@ struct Arguments {
   TileArguments tile;
   std::vector<double> degrees{0};
   int lights = 1;
+  std::filesystem::path pictures;
 };
 
 void measureTile(const runtime::Device& device, const FullScreen& screen, const Arguments& arguments,
@@ -125,7 +148,8 @@ void measureTile(const runtime::Device& device, const FullScreen& screen, const 
   const importer::Tile mesh = require(importer::loadTile(importer::studyTileName(tile)));
   const importer::TileTracer tracer(mesh);
   const auto mean = std::make_shared<glm::vec3>(0);
-  const std::vector<TileRenderer> renderers = tileRenderers(device, arguments.tile, tile, baked, mean);
+  const std::vector<TileRenderer> renderers =
+      tileRenderers(device, arguments.tile, tile, baked, tracer, mean);
   for (const double degrees : arguments.degrees)
     for (const double lambda : arguments.tile.lambdas) {
       PlaneView view{kPixels, baked.manifest().size, mesh.aspect};
@@ -134,12 +158,13 @@ void measureTile(const runtime::Device& device, const FullScreen& screen, const 
       glm::dvec3 sum(0);
       for (const glm::vec3& pixel : expected) sum += glm::dvec3(pixel);
       *mean = glm::vec3(sum / double(expected.size()));
-      measureView(screen, renderers, tile, view, arguments.lights, expected, rows);
+      measureView(screen, renderers, tile, view, arguments.lights, expected, arguments.pictures, rows);
     }
 }
 
 const std::string kUsage =
-    std::string("bench_time_error [--degrees D,...] [--lights 1..4] ") + kTileUsage + kTileUsageNotes;
+    std::string("bench_time_error [--degrees D,...] [--lights 1..4] [--pictures FOLDER] ") + kTileUsage +
+    kTileUsageNotes + "\n--pictures writes the truth and what each renderer draws";
 
 Arguments parseArguments(int argc, char** argv) {
   Arguments all;
@@ -149,6 +174,8 @@ Arguments parseArguments(int argc, char** argv) {
                                     all.degrees = numbersOf(option, value, 0, 80);
                                   else if (option == "--lights")
                                     all.lights = wholeNumberOf(option, value, 1, kMostLights);
+                                  else if (option == "--pictures")
+                                    all.pictures = value;
                                   else
                                     return false;
                                   return true;

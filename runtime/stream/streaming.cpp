@@ -5,7 +5,9 @@
 #endif
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -22,9 +24,30 @@ Result<LoadedPart> loadRequest(const LoadingThreads::Request& request, const std
   try {
     return loadPart(*request.file, request.plan, request.kept.get(), request.atlas_threads, stop);
   } catch (const std::exception& exception) {
-    return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,
-                 std::string("a part could not be prepared: ") + exception.what()};
+    try {
+      return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,
+                   std::string("a part could not be prepared: ") + exception.what()};
+    } catch (const std::exception&) {
+      return Issue{issue_id::kMemory, Severity::kError, "", "out of memory"};  // short: not allocated
+    }
   }
+}
+
+// Does `work`, which leaves things as they were where it finds no memory, again and again until it finds
+// some; the lock is free in between. False if it was given up before.
+template <class Work, class GivenUp>
+bool withRoom(std::unique_lock<std::mutex>& lock, const Work& work, const GivenUp& given_up) {
+  while (!given_up()) {
+    try {
+      work();
+      return true;
+    } catch (const std::bad_alloc&) {
+      lock.unlock();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      lock.lock();
+    }
+  }
+  return false;
 }
 
 void lowerPriority([[maybe_unused]] int nicer) {
@@ -85,15 +108,20 @@ void LoadingThreads::run(Lane& lane, int nicer) {
   while (true) {
     wake_threads_.wait(lock, [&] { return stop_ || !lane.requests.empty(); });
     if (stop_) return;
+    if (!withRoom(
+            lock, [&] { lane.stop = {}; }, [&] { return stop_; }))
+      return;
+    if (lane.requests.empty()) continue;  // cancelled meanwhile
     const Request request = std::move(lane.requests.front());
     lane.requests.pop_front();
     lane.in_hand = request.ticket.ref;
-    lane.stop = {};
     const std::stop_token stop = lane.stop.get_token();
     lock.unlock();
     Result<LoadedPart> part = loadRequest(request, stop);
     lock.lock();
-    if (!stop.stop_requested()) deliveries_.push_back({request.ticket, std::move(part)});
+    Delivery delivery{request.ticket, std::move(part)};
+    withRoom(
+        lock, [&] { deliveries_.push_back(std::move(delivery)); }, [&] { return stop.stop_requested(); });
     lane.in_hand.reset();
     wake_owner_.notify_all();
   }

@@ -65,16 +65,16 @@ void free(void* pointer) {
 }
 }
 #else
-void* operator new(size_t bytes) {
+__attribute__((noinline)) void* operator new(size_t bytes) {
   void* pointer = allocations.next() ? std::malloc(bytes ? bytes : 1) : nullptr;
   if (!pointer) throw std::bad_alloc();
   return pointer;
 }
-void operator delete(void* pointer) noexcept {
+__attribute__((noinline)) void operator delete(void* pointer) noexcept {
   allocations.freed(pointer);
   std::free(pointer);
 }
-void operator delete(void* pointer, size_t) noexcept {
+__attribute__((noinline)) void operator delete(void* pointer, size_t) noexcept {
   operator delete(pointer);
 }
 #endif

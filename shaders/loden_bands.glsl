@@ -60,6 +60,12 @@ vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
   return textureLod(loden_weights[band], vec3(q, float(layer)), lod);
 }
 
+// What the quad adds of itself at that lambda: 0 from quad_end on, 1 one level before. Never more than the
+// quad before it, so that a loop over quads ends at the first that adds nothing.
+float loden_quad_share(int band, int quad, float lambda) {
+  return clamp(loden_material.bands[band].quad_end[quad >> 2][quad & 3] - lambda, 0.0, 1.0);
+}
+
 // (Y, Cb, Cr) that one band adds at full weight. The loop has a dynamic bound on purpose: renderers that run
 // both sides of every branch still skip iterations.
 vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mean) {
@@ -71,12 +77,14 @@ vec3 loden_evaluate_band(int band, LodenHit hit, LodenTablePosition at, vec3 mea
   int quads = y_quads + loden_material.bands[band].chroma_quads;
   vec3 sum = vec3(0.0);
   int quad = 0;
+  float share = 1.0;
   do {
     vec4 product = loden_fetch_weights(band, quad, q, lod) * loden_fetch_table(band, quad, at) *
-                   loden_material.bands[band].quad_scale[quad];
+                   loden_material.bands[band].quad_scale[quad] * share;
     vec2 halves = vec2(product.x + product.y, product.z + product.w);
     sum += quad < y_quads ? vec3(halves.x + halves.y, 0.0, 0.0) : vec3(0.0, halves);
-  } while (++quad < quads);
+    share = ++quad < quads ? loden_quad_share(band, quad, hit.lambda) : 0.0;
+  } while (share > 0.0);
   if ((bits & LODEN_BAND_RATIO) != 0) {
     vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy *
                  loden_material.bands[band].ratio_scale;

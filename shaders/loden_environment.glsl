@@ -61,6 +61,7 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
   vec3 at = vec3(view * (size - 1.0) + 0.5, 0.5) * texel_size;
   mat3 sum = mat3(0.0);
   int quad = 0;
+  float share = 1.0;
   do {
     vec4 red = vec4(0.0), green = vec4(0.0), blue = vec4(0.0);
     for (int k = 0; k < LODEN_ENVIRONMENT_BASIS; ++k) {
@@ -73,15 +74,17 @@ mat3 loden_evaluate_band_environment(int band, LodenHit hit, vec2 view, LodenHem
     }
     vec4 weights = loden_fetch_weights(band, quad, q, lod);
     bool luminance = quad < y_quads;
-    weights *=
-        float(quad) < loden_material.bands[band].first_rest ? 1.0 : loden_material.bands[band].rest_share;
+    weights *= float(quad) < loden_material.bands[band].first_rest
+                   ? share
+                   : share * loden_material.bands[band].rest_share;
     red *= weights;
     green *= weights;
     blue *= weights;
     mat3 halves = mat3(0.0, red.x + red.y, red.z + red.w, 0.0, green.x + green.y, green.z + green.w, 0.0,
                        blue.x + blue.y, blue.z + blue.w);
     for (int c = 0; c < 3; ++c) sum[c] += luminance ? vec3(halves[c].y + halves[c].z, 0.0, 0.0) : halves[c];
-  } while (++quad < quads);
+    share = ++quad < quads ? loden_quad_share(band, quad, hit.lambda) : 0.0;
+  } while (share > 0.0);
   if ((bits & LODEN_BAND_RATIO) != 0) {
     vec2 ratio = loden_fetch_weights(band, loden_material.bands[band].ratio_layer, q, lod).xy *
                  loden_material.bands[band].ratio_scale;

@@ -101,7 +101,8 @@ Json bandJson(const Band& band, size_t index) {
           {"y_components", band.y_quads * 4},
           {"chroma_quads", band.chroma_quads},
           {"ratio", band.ratio},
-          {"lead_quads", band.lead_quads}};
+          {"lead_quads", band.lead_quads},
+          {"quad_end", band.quad_end}};
 }
 
 // A level L needs every band whose window is open at some lambda >= L: what a file cut there still gives.
@@ -162,10 +163,14 @@ std::string cookedText(const std::string& meta_text) {
         text +=
             formatted(", fades over lambda %g to %g", fade->at(0).get<double>(), fade->at(1).get<double>());
       text += "\n";
-      for (const Json& level : near->value("levels", Json::array()))
-        text += formatted("  lambda %d: RMSE of Y %.4f of two evaluations of it, %.4f of the bands\n",
-                          level.at("level").get<int>(), level.at("near_rmse_y").get<double>(),
-                          level.at("band_rmse_y").get<double>());
+    }
+    for (const Json& level : meta.value("levels", Json::array())) {
+      text += formatted("lambda %d: RMSE of Y", level.at("level").get<int>());
+      if (const auto near = level.find("near_rmse_y"); near != level.end())
+        text += formatted(" %.4f by two evaluations of the near term,", near->get<double>());
+      text += " by the bands with 1, 2 ... quads of the coarsest";
+      for (const Json& rmse : level.at("quads_rmse_y")) text += formatted(" %.4f", rmse.get<double>());
+      text += "\n";
     }
     if (const auto lookup = meta.find("lookup"); lookup != meta.end()) {
       for (const char* name : {"fast", "default"})

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "importer/base/progress.h"
-#include "importer/cook/fade_choice.h"
 #include "importer/cook/fused_plan.h"
 #include "importer/cook/goal.h"
+#include "importer/cook/level_choice.h"
 #include "importer/cook/meta.h"
 #include "importer/cook/modes.h"
 #include "importer/fit/band_fit.h"
@@ -177,7 +177,7 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
     m.bands.back().window = {};
     advance(progress, 3);
     m.lambda_max = coarsestLevelOf(m);
-    fit.fades = chooseFade(m, in.btf, in.source.lights(), in.source.views(), in.threads);
+    fit.levels = chooseLevels(m, in.btf, in.source.lights(), in.source.views(), in.threads);
     advance(progress, 2);
   }
   const auto measure = [&](int points) {

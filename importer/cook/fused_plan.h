@@ -6,7 +6,7 @@
 
 #include "importer/base/progress.h"
 #include "importer/cook/atlas_choice.h"
-#include "importer/cook/fade_choice.h"
+#include "importer/cook/level_choice.h"
 #include "importer/cook/near_term.h"
 #include "importer/fit/band_pack.h"
 #include "importer/fit/indirection.h"
@@ -45,7 +45,7 @@ struct FusedFit {
   // of these, of the mean of four evaluations a texel.
   BtfError error;
   std::optional<SampledError> near, near_at_centres;  // with a near term: of four evaluations, and of one
-  std::vector<FadeTrial> fades;                       // that the hand-over from a near term was chosen by
+  std::vector<LevelTrial> levels;                     // that what each level is shown by was chosen by
   std::vector<AtlasTrial> atlases;                    // that were measured, if the plan names none
 };
 

@@ -126,13 +126,16 @@ std::string cookMeta(const Material& material, const std::string& input, const s
                     {"visibility", visibilityName(maps.visibility)},
                     {"side", maps.color.width},
                     {"bytes", surfaceBytes(material)}};
-    if (fit && !fit->fades.empty()) meta["near"]["fade"] = {maps.fade_begin, maps.fade_end};
-    if (fit)
-      for (const FadeTrial& trial : fit->fades)
-        meta["near"]["levels"].push_back({{"level", trial.level},
-                                          {"near_rmse_y", std::sqrt(trial.near_mse)},
-                                          {"band_rmse_y", std::sqrt(trial.band_mse)}});
+    if (fit && !fit->levels.empty()) meta["near"]["fade"] = {maps.fade_begin, maps.fade_end};
   }
+  if (fit)
+    for (const LevelTrial& trial : fit->levels) {
+      nlohmann::ordered_json of_level = {{"level", trial.level}};
+      if (trial.near_mse > 0) of_level["near_rmse_y"] = std::sqrt(trial.near_mse);
+      for (const LevelTrial::Quads& quads : trial.quads)
+        of_level["quads_rmse_y"].push_back(std::sqrt(quads.mse));
+      meta["levels"].push_back(std::move(of_level));
+    }
   if (!material.geometry.empty() && material.mode != Mode::kLod)
     meta["lookup"] = lookupMeta(material, atlases);
   const std::vector<TradePoint> front = paretoFront(trade);

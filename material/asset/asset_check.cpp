@@ -189,6 +189,12 @@ class MaterialCheck {
             "lead_quads ", band.lead_quads, " is more than y_quads, or leaves no rest");
     require(band.quad_scale.size() == static_cast<size_t>(band.quads()), issue_id::kQuadScale,
             band.quad_scale.size(), " scales for ", band.quads(), " quads");
+    require(band.quad_end.size() == static_cast<size_t>(band.quads()), issue_id::kQuadEnd,
+            band.quad_end.size(), " ends for ", band.quads(), " quads");
+    for (size_t q = 0; q < band.quad_end.size(); ++q)
+      require(within(band.quad_end[q], -kNoEnd, q == 0 ? kNoEnd : band.quad_end[q - 1]), issue_id::kQuadEnd,
+              "quad_end of quad ", q, ", ", band.quad_end[q], ", is not in -", kNoEnd, "..", kNoEnd,
+              ", or above that of the quad before");
     checkWeights(band, join("HEAD, band ", i, ", weights"));
     checkTable(band, join("HEAD, band ", i, ", table"));
   }

@@ -42,6 +42,7 @@ void writeBand(ByteWriter& out, const Band& band) {
   for (const int extent : {table.width, table.height, table.depth}) out.u32(extent);
   writeVec4(out, band.ratio_scale);
   for (const glm::vec4& scale : band.quad_scale) writeVec4(out, scale);
+  for (const float end : band.quad_end) out.f32(end);
 }
 
 void writeMean(ByteWriter& out, const PhongMean& mean) {
@@ -211,6 +212,8 @@ class HeaderReader {
     band.ratio_scale = readVec4();
     band.quad_scale.resize(y_quads + chroma_quads);
     for (glm::vec4& scale : band.quad_scale) scale = readVec4();
+    band.quad_end.resize(y_quads + chroma_quads);
+    for (float& end : band.quad_end) end = in_.f32();
     return band;
   }
 

@@ -66,8 +66,10 @@ V3<T> evaluateBand(const Band& band, float theta_max, const Hit<T>& hit, const T
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   V3<T> sum(0);
   for (int quad = 0; quad < band.quads(); ++quad) {
+    const T share = quadShare(band, quad, hit.lambda);
+    if (share <= T(0)) break;
     const V4<T> product = fetchWeights(band, quad, q, hit.lambda) * fetchTable(band, grid, quad, at) *
-                          V4<T>(band.quad_scale[quad]);
+                          V4<T>(band.quad_scale[quad]) * share;
     if (quad < band.y_quads)
       sum.x += product.x + product.y + product.z + product.w;
     else
@@ -113,6 +115,8 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
   const V2<T> q = band.domain == Domain::kFlat ? hit.p : hit.x;
   ColorMatrix<T> sum(0);
   for (int quad = 0; quad < band.quads(); ++quad) {
+    const T share = quadShare(band, quad, hit.lambda);
+    if (share <= T(0)) break;
     std::array<V4<T>, 3> scattered{V4<T>(0), V4<T>(0), V4<T>(0)};
     for (int k = 0; k < kEnvironmentBasis; ++k) {
       const T slice = T(quad * kEnvironmentBasis + k) + T(0.5);
@@ -120,7 +124,7 @@ ColorMatrix<T> evaluateBandEnvironment(const Band& band, const Texture& table, c
           table, V3<T>(view.x * T(table.width - 1) + T(0.5), view.y * T(table.height - 1) + T(0.5), slice));
       for (int c = 0; c < 3; ++c) scattered[c] += T(light.c[k][c]) * texel;
     }
-    const V4<T> weights = fetchWeights(band, quad, q, hit.lambda);
+    const V4<T> weights = fetchWeights(band, quad, q, hit.lambda) * share;
     for (int c = 0; c < 3; ++c) {
       const V4<T> product = weights * scattered[c];
       const V2<T> halves(product.x + product.y, product.z + product.w);

@@ -15,6 +15,14 @@ T windowWeight(const Window& window, T lambda) {
 template float windowWeight(const Window&, float);
 template double windowWeight(const Window&, double);
 
+template <class T>
+T quadShare(const Band& band, int quad, T lambda) {
+  return quad == 0 ? T(1) : std::clamp(T(band.quad_end[size_t(quad)]) - lambda, T(0), T(1));
+}
+
+template float quadShare(const Band&, int, float);
+template double quadShare(const Band&, int, double);
+
 DirectionGrid tableGrid(const Band& band, float theta_max) {
   return {static_cast<int>(std::lround(std::sqrt(double(std::max(band.table.height, 0))))), band.table.width,
           theta_max};

@@ -55,6 +55,9 @@ struct Band {
   int lead_quads = 0;
   // Per quad of y and chroma: products D*E are multiplied by this (folds both 8-bit scales).
   std::vector<glm::vec4> quad_scale;
+  // Per quad of y and chroma: the lambda from which on it adds nothing; one level before, it adds all. Never
+  // above that of the quad before; the first quad's is not read, it adds all at every lambda.
+  std::vector<float> quad_end;
   glm::vec4 ratio_scale{1};
   Texture weights;  // 2-D array, layers = layers() (+ spare layers, zero)
   Texture table;    // volume
@@ -62,6 +65,13 @@ struct Band {
   int layers() const { return quads() + (ratio ? 1 : 0); }
   size_t bytes() const { return weights.data.size() + table.data.size(); }
 };
+
+// The quad_end of what adds at every lambda that there is.
+inline constexpr float kNoEnd = 1e4f;
+
+// Share of itself that the quad adds at that lambda.
+template <class T>
+T quadShare(const Band& band, int quad, T lambda);
 
 // Grid of a kGrid table: its width is phis, its height thetas squared.
 DirectionGrid tableGrid(const Band& band, float theta_max);

@@ -91,14 +91,18 @@ void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAt
     parts.push_back(atlasPart(end, full));
 }
 
-void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain) {
+// What follows them is needed below `next_end`.
+void addBands(std::vector<PartPlan>& parts, const Material& material, Domain domain, float next_end) {
   for (int b = int(material.bands.size()) - 1; b >= 0; --b) {
     const Band& band = material.bands[size_t(b)];
     if (band.domain != domain) continue;
     const float end = bandEnd(material, band);
     const bool split = band.lead_quads > 0;
     if (split) parts.push_back({PartKind::kBandLead, b, {}, {gpuBytes(leadOf(band)), end}});
-    parts.push_back({PartKind::kBand, b, {}, {gpuBytes(band), end, split}});
+    // Where only leading quads add something, nobody asks for the rest.
+    const float rest_end =
+        split ? std::min(end, std::max(band.quad_end[size_t(band.lead_quads)], next_end)) : end;
+    parts.push_back({PartKind::kBand, b, {}, {gpuBytes(band), rest_end, split}});
   }
 }
 
@@ -256,11 +260,11 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
     addFullAtlas(parts, variant.lookup, end, full_atlas);
     return parts;
   }
-  addBands(parts, material, Domain::kReference);
   const float near_end = variant.near ? nearEnd(material) : 0;
   float flat_end = near_end;
   for (const Band& band : material.bands)
     if (band.domain == Domain::kFlat) flat_end = std::max(flat_end, bandEnd(material, band));
+  addBands(parts, material, Domain::kReference, flat_end);
   addLookupPart(parts, material, variant.lookup, flat_end, full_atlas);
   if (variant.near)
     parts.push_back({PartKind::kSurface,
@@ -268,7 +272,7 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
                      {},
                      {gpuBytes(mapsOf(material, variant)), near_end},
                      variant.shadow_quads > 0});
-  addBands(parts, material, Domain::kFlat);
+  addBands(parts, material, Domain::kFlat, 0);
   addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
   return parts;
 }

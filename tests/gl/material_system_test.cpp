@@ -47,6 +47,7 @@ Material splitFused(uint32_t seed) {
   band.ratio = true;
   band.lead_quads = 1;
   band.quad_scale.assign(3, glm::vec4(0.05f, 0.04f, 0.03f, 0.02f));
+  band.quad_end.assign(3, kNoEnd);
   band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 32, 32, 4, 6, seed + 20);
   band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * 3, 1, seed + 21);
   return material;
@@ -215,6 +216,20 @@ TEST_F(MaterialSystemTest, ComparesEveryTextureWithTheDriversLimits) {
     no_volumes.max_volume_side = 1;
     EXPECT_EQ(checkExtents(material, parts, no_volumes).ok(), material.bands.empty()) << material.name;
   }
+}
+
+TEST_F(MaterialSystemTest, FarAwayTheLeadingQuadsAreEnough) {
+  Material material = splitFused(5);
+  material.bands[1].quad_end = {kNoEnd, 4.0f, 3.0f};
+  auto system = makeMaterials();
+  const MaterialId id = load(*system, material);
+  system->demand(id, 4);
+  system->finishLoading();
+  const uint64_t lead = gpuBytes(leadOf(material.bands[1]));
+  EXPECT_EQ(system->stats().resident_bytes, lead);
+  system->demand(id, 3.5f);
+  system->finishLoading();
+  EXPECT_EQ(system->stats().resident_bytes, lead + gpuBytes(material.bands[1]));
 }
 
 TEST_F(MaterialSystemTest, ObeysABudgetThatChanges) {

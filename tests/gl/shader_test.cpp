@@ -187,6 +187,7 @@ TEST_F(SharedLayout, IsWhatTheDriverSays) {
       LODEN_BAND_MEMBER(chroma_quads, ""),
       LODEN_BAND_MEMBER(ratio_layer, ""),
       LODEN_BAND_MEMBER(quad_scale, "[0]"),
+      LODEN_BAND_MEMBER(quad_end, "[0]"),
       LODEN_BAND_MEMBER(ratio_scale, ""),
       LODEN_BAND_MEMBER(rest_share, ""),
       LODEN_BAND_MEMBER(first_rest, ""),

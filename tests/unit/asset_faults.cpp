@@ -319,6 +319,10 @@ void addBands(FaultList& list) {
     m.bands[0].quad_scale.clear();
   });
   fused(id::kQuadScale, "not finite", [](Material& m) { m.bands[0].quad_scale[0].z = kNan; });
+  fused(id::kQuadEnd, "not a number", [](Material& m) { m.bands[1].quad_end[0] = kNan; });
+  fused(id::kQuadEnd, "not finite", [](Material& m) { m.bands[1].quad_end[1] = kInfinity; });
+  fused(id::kQuadEnd, "above the quad before",
+        [](Material& m) { m.bands[1].quad_end[1] = m.bands[1].quad_end[0] + 1; });
   fused(id::kQuadScale, "-65505", [](Material& m) { m.bands[0].quad_scale[0].x = -65505; });
   fused(id::kRatioScale, "infinite", [](Material& m) { m.bands[0].ratio_scale.x = kInfinity; });
   fused(id::kRatioScale, "1e9", [](Material& m) { m.bands[0].ratio_scale.y = 1e9f; });

@@ -8,6 +8,7 @@
 
 #include "importer/bake/bake.h"
 #include "importer/cook/cook.h"
+#include "importer/cook/level_choice.h"
 #include "importer/fit/sampled_error.h"
 #include "importer/fit/surface_light.h"
 #include "material/asset/asset.h"
@@ -142,6 +143,27 @@ TEST_F(FitNear, SaysWhatItMeasured) {
   EXPECT_NEAR(double(meta["error"]["y"]["rmse"]), errorOf(material), 0.2 * errorOf(material));
   EXPECT_GE(material.surface->fade_begin, 0.25f);
   EXPECT_LE(material.surface->fade_end, 3.0f);
+}
+
+// Where the bands stand alone, each level reads so many quads that the error is as promised, and no more.
+TEST_F(FitNear, LevelsReadAsManyQuadsAsTheyNeed) {
+  const Material material = cooked({});
+  const auto levels = nlohmann::json::parse(material.meta_json)["levels"];
+  ASSERT_EQ(levels.size(), size_t(material.lambda_max));
+  const Band& band = material.bands.back();
+  int fewest = band.quads();
+  for (size_t i = 0; i < levels.size(); ++i) {
+    const double lambda = levels[i]["level"];
+    if (lambda < double(material.surface->fade_end)) continue;
+    const auto rmse = levels[i]["quads_rmse_y"].get<std::vector<double>>();
+    ASSERT_EQ(rmse.size(), size_t(band.quads()));
+    size_t count = 1;
+    while (count < rmse.size() && quadShare(band, int(count), lambda) > 0) ++count;
+    EXPECT_EQ(quadShare(band, int(count) - 1, lambda), 1) << "whole at a level that needs it";
+    EXPECT_LE(rmse[count - 1], std::max(kQuadFloor, (1 + kQuadLoss) * rmse.back()) + 1e-12) << lambda;
+    fewest = std::min(fewest, int(count));
+  }
+  EXPECT_EQ(fewest, 1) << "the average of the whole tile has one component";
 }
 
 TEST_F(FitNear, GoalsChooseItsSizes) {

@@ -1,0 +1,155 @@
+#include "importer/cook/level_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "importer/base/parallel.h"
+#include "importer/base/random.h"
+#include "material/base/check.h"
+#include "material/eval/evaluate.h"
+#include "material/model/color.h"
+#include "material/system/threads.h"
+
+namespace loden::importer {
+namespace {
+
+constexpr int kNearLevels = 3;  // that the near term may be shown at
+constexpr int kSamples = 8000;  // a level
+constexpr float kBegins[] = {0.25f, 0.5f, 0.75f, 1.0f};
+constexpr float kEnds[] = {1.5f, 1.75f, 2.0f, 2.25f, 2.5f, 2.75f, 3.0f};
+
+double luma(const glm::dvec3& rgb) {
+  return std::min(yccFromRgb(rgb).x, 1.0);
+}
+
+// The near term alone, and the bands alone with 1, 2 and more quads of the coarsest.
+struct Candidates {
+  std::optional<Material> near_alone;
+  std::vector<Material> bands_alone;
+  std::optional<Evaluator> near;
+  std::vector<Evaluator> bands;
+
+  Candidates(const Material& material, int threads) {
+    if (material.surface) {
+      near_alone = material;
+      near_alone->bands.clear();
+      near.emplace(*near_alone, onThreads(threads));
+    }
+    Material bands_of = material;
+    bands_of.surface.reset();
+    bands_of.geometry = {};
+    const int quads = material.bands.back().y_quads;
+    for (int count = 1; count <= quads; ++count) {
+      std::vector<float>& end = bands_of.bands.back().quad_end;
+      std::fill(end.begin(), end.begin() + count, kNoEnd);
+      std::fill(end.begin() + count, end.end(), -kNoEnd);
+      bands_alone.push_back(bands_of);
+    }
+    for (const Material& m : bands_alone) bands.emplace_back(m);
+  }
+};
+
+LevelTrial measured(const Candidates& candidates, const YccBtf& btf, int level, const DirectionSet& lights,
+                    const DirectionSet& views, int threads) {
+  const bool with_near = candidates.near && level <= kNearLevels;
+  const size_t counts = candidates.bands.size();
+  LevelTrial none{level, 0, std::vector<LevelTrial::Quads>(counts)};
+  const int per_view = std::max(1, kSamples / btf.views());
+  std::vector<LevelTrial> of_view(size_t(btf.views()), none);
+  parallelFor(of_view.size(), threads, [&](size_t v) {
+    Matrix truth;
+    btf.read(0, int(v), truth);
+    const glm::dvec3& wo = views.samples[v];
+    for (int s = 0; s < per_view; ++s) {
+      const uint64_t seed = mixSeed(v, uint64_t(s));
+      const int t = std::min(int(uniform(seed, 0) * btf.texels()), btf.texels() - 1);
+      const int l = std::min(int(uniform(seed, 1) * btf.lights()), btf.lights() - 1);
+      const glm::dvec3& wi = lights.samples[size_t(l)];
+      const glm::dvec2 texel(t % btf.side(), t / btf.side());
+      const double given = std::min(truth(t, l), 1.0);
+      const auto valueOf = [&](const Evaluator& evaluator, double inside) {
+        const auto hit = evaluator.findHit((texel + inside) / double(btf.side()), double(level), wo);
+        return luma(evaluator.evaluate(hit, wi, wo));
+      };
+      LevelTrial& sums = of_view[v];
+      const double near =
+          with_near ? (valueOf(*candidates.near, 0.25) + valueOf(*candidates.near, 0.75)) / 2 - given : 0;
+      sums.near_mse += near * near;
+      for (size_t k = 0; k < counts; ++k) {
+        const double bands = valueOf(candidates.bands[k], 0.5) - given;
+        sums.quads[k].mse += bands * bands, sums.quads[k].product += near * bands;
+      }
+    }
+  });
+  LevelTrial trial = none;
+  const double count = double(per_view) * btf.views();
+  for (const LevelTrial& sums : of_view) {
+    trial.near_mse += sums.near_mse / count;
+    for (size_t k = 0; k < counts; ++k) {
+      trial.quads[k].mse += sums.quads[k].mse / count;
+      trial.quads[k].product += sums.quads[k].product / count;
+    }
+  }
+  return trial;
+}
+
+double nearWeightAt(int level, double begin, double end) {
+  return std::clamp((end - level) / (end - begin), 0.0, 1.0);
+}
+
+void chooseFade(SurfaceMaps& maps, const std::vector<LevelTrial>& trials, float lambda_max) {
+  double least = std::numeric_limits<double>::infinity();
+  maps.fade_begin = kBegins[0], maps.fade_end = kEnds[0];
+  for (const float begin : kBegins)
+    for (const float end : kEnds) {
+      if (end > lambda_max + 1) break;
+      double product = 0;  // of the errors, as a sum of logarithms
+      for (const LevelTrial& trial : trials) {
+        if (trial.level > kNearLevels) break;
+        const double w = nearWeightAt(trial.level, double(begin), double(end));
+        product += std::log(std::max(trial.mse(w, trial.quads.size()), 1e-12));
+      }
+      if (product >= least) continue;
+      least = product;
+      maps.fade_begin = begin, maps.fade_end = end;
+    }
+}
+
+void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const SurfaceMaps* maps) {
+  std::fill(band.quad_end.begin() + 1, band.quad_end.end(), 1.0f);
+  for (const LevelTrial& trial : trials) {
+    const double w = maps ? nearWeightAt(trial.level, double(maps->fade_begin), double(maps->fade_end)) : 0.0;
+    const size_t all = trial.quads.size();
+    const double allowed = std::max(std::sqrt(trial.mse(w, all)) * (1 + kQuadLoss), kQuadFloor);
+    size_t count = 1;
+    while (count < all && std::sqrt(trial.mse(w, count)) > allowed) ++count;
+    // What the last level reads, all beyond it read.
+    const float end = trial.level == trials.back().level ? kNoEnd : float(trial.level + 1);
+    std::fill(band.quad_end.begin() + 1, band.quad_end.begin() + ptrdiff_t(count), end);
+  }
+}
+
+}  // namespace
+
+std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
+                                     const DirectionSet& views, int threads) {
+  Band& coarsest = material.bands.back();
+  LODEN_CHECK_EQ(coarsest.chroma_quads, 0);
+  const Candidates candidates(material, threads);
+  std::vector<LevelTrial> trials;
+  std::optional<YccBtf> coarse;
+  // Beyond the last level the bands have nothing of their own.
+  const int last = static_cast<int>(std::lround(material.lambda_max));
+  for (int level = 1; level <= last && (coarse ? coarse->side() : btf.side()) > 1; ++level) {
+    coarse = downsample(coarse ? *coarse : btf, BoxFilter::k2x2, threads);
+    trials.push_back(measured(candidates, *coarse, level, lights, views, threads));
+  }
+  SurfaceMaps* maps = material.surface ? &*material.surface : nullptr;
+  if (maps) chooseFade(*maps, trials, material.lambda_max);
+  if (!trials.empty()) chooseQuads(coarsest, trials, maps);
+  return trials;
+}
+
+}  // namespace loden::importer

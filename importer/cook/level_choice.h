@@ -1,0 +1,44 @@
+// What each level of detail is shown by: where the bands take over from the near term, and how many quads of
+// the coarsest band are read. Chosen by measuring against the BTF.
+#pragma once
+
+#include <vector>
+
+#include "importer/fit/ycc_btf.h"
+#include "material/model/material.h"
+
+namespace loden::importer {
+
+// Mean squared errors of Y at one level of detail. Y is white at most, as displays show it, so that single
+// peaks do not decide.
+struct LevelTrial {
+  // Of the bands of which the coarsest has but its first quads.
+  struct Quads {
+    double mse = 0;
+    double product = 0;  // mean product of this error and the near term's
+  };
+  int level = 0;
+  double near_mse = 0;       // two evaluations of the near term alone; 0 beyond the levels it may be shown at
+  std::vector<Quads> quads;  // at k the first k + 1
+  double bands_mse() const { return quads.back().mse; }  // of all quads
+  // Of the blend with the near term's weight w and the first `count` quads.
+  double mse(double w, size_t count) const {
+    const Quads& bands = quads[count - 1];
+    return w * w * near_mse + (1 - w) * (1 - w) * bands.mse + 2 * w * (1 - w) * bands.product;
+  }
+};
+
+// For a material with bands, the coarsest of which has no chroma quads, in this order:
+// - With surface maps, sets fade_begin and fade_end to the window whose blend of near term and bands has the
+//   least product of errors over the levels 1 to 3, of those that leave the near term alone up to lambda .25
+//   at least and the bands alone from lambda 3 on. The errors of both are unlike, so that a blend is better
+//   than either over some levels.
+// - Sets the coarsest band's quad_end so that each level reads the fewest quads with which the error of what
+//   is shown is at most kQuadLoss above that of all of them, or below kQuadFloor.
+// Returns what was measured, from level 1 on. Deterministic at any number of threads.
+inline constexpr double kQuadLoss = 0.1;
+inline constexpr double kQuadFloor = 0.01;  // root mean square, white = 1: 40 dB
+std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
+                                     const DirectionSet& views, int threads);
+
+}  // namespace loden::importer

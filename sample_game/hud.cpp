@@ -175,6 +175,9 @@ void Hud::drawLight(World& world, const std::vector<std::string>& environments, 
   }
   ImGui::SameLine();
   requests.redraw |= ImGui::Checkbox("relief in depth", &world.settings.parallax_depth);
+  if (!world.settings.parallax_depth) return;
+  ImGui::SameLine();
+  requests.redraw |= ImGui::Checkbox("as a shell", &world.settings.shell);
 }
 
 void Hud::drawLooks(World& world, HudState& state, HudRequests& requests) {

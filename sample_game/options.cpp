@@ -156,6 +156,8 @@ void addRuntime(CLI::App& app, Options& options) {
       ->check(CLI::Range(0.0, 32.0));
   app.add_flag("--parallax-depth", options.parallax_depth,
                "Depth, shadows and lamps at the displaced surface");
+  app.add_flag("--shell", options.shell,
+               "The same, and meshes lie where a relief is lowest, so that it sticks out of silhouettes");
   app.add_flag("--stream", options.stream,
                "Headless: draw what is resident instead of waiting for all of it");
   app.add_option("--shader-cache", options.shader_cache, "Folder for compiled programs");

@@ -46,6 +46,7 @@ struct Options {
   runtime::LambdaRule lambda_rule = runtime::LambdaRule::kFootprint;
   std::optional<float> lambda;
   bool parallax_depth = false;
+  bool shell = false;
   bool stream = false;    // headless: do not wait for the loading thread
   bool gl_debug = false;  // the driver's messages
   bool quiet = false;

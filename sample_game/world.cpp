@@ -191,7 +191,8 @@ FrameSettings frameSettings(const Options& options, const Scene& scene) {
     settings.background = {0.36f, 0.52f, 0.78f};
   settings.lambda_rule = options.lambda_rule;
   settings.lambda = options.lambda;
-  settings.parallax_depth = options.parallax_depth;
+  settings.parallax_depth = options.parallax_depth || options.shell;
+  settings.shell = options.shell;
   if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;
   settings.base_materials_only = options.mode == Mode::kFallback;
   settings.tone = ToneCurve::kNeutral;

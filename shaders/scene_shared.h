@@ -38,6 +38,7 @@
 #define SCENE_LAMBDA_DISTANCE 32
 #define SCENE_NEUTRAL 64              // the tone curve of glTF's viewers
 #define SCENE_ENVIRONMENT_SHADOW 128  // the shadow map is that of the environment's first sun
+#define SCENE_SHELL 256               // meshes stand for the lowest points of a relief
 
 // Of SceneFrame.lambda.z: what a heat map shows
 #define SCENE_HEAT_LAMBDA 1   // 0 to 8

@@ -28,7 +28,8 @@ constexpr int kUniformBindings = SCENE_BLOCK_BASE_MATERIAL + 1;
 struct ShadowRelief {
   glm::vec3 direction{0};  // of the sun
   bool shown = false;      // else all objects are as their meshes are, and the rest is as here
-  uint64_t revision = 0;   // MaterialSystem::reliefRevision
+  bool shell = false;
+  uint64_t revision = 0;  // MaterialSystem::reliefRevision
   std::optional<float> lambda;
   friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
 };
@@ -169,6 +170,9 @@ struct FrameRenderer::Impl {
   std::vector<MaterialId> demanded;  // parallel to stats.demands
   FrameStats stats;
 
+  float shellDepth(int object) const;
+  Bounds shownBounds(int object) const;
+  Bounds shownBounds() const;
   void findVisible();
   void demandMaterials();
   MaterialId materialOf(int object) const;
@@ -197,12 +201,33 @@ struct FrameRenderer::Impl {
   Status drawView(const FrameTarget& target);
 };
 
+// How far the object's reference surface lies above its mesh, metres.
+float FrameRenderer::Impl::shellDepth(int index) const {
+  const MaterialId id = materialOf(index);
+  if (!settings.shell || !movesDepth(id)) return 0;
+  return materials.material(id).geometry.range.z / scene.objects[index].periods_per_metre;
+}
+
+Bounds FrameRenderer::Impl::shownBounds(int index) const {
+  const Bounds& box = scene.objects[index].bounds;
+  const float depth = shellDepth(index);
+  return {box.min - depth, box.max + depth};
+}
+
+// Of all objects.
+Bounds FrameRenderer::Impl::shownBounds() const {
+  float depth = 0;
+  for (int i = 0; settings.shell && i < static_cast<int>(scene.objects.size()); ++i)
+    depth = std::max(depth, shellDepth(i));
+  return {scene.bounds.min - depth, scene.bounds.max + depth};
+}
+
 // Front to back.
 void FrameRenderer::Impl::findVisible() {
   const Frustum frustum = frustumOf(view.clip_from_world);
   visible.clear();
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    const Bounds& box = scene.objects[i].bounds;
+    const Bounds box = shownBounds(static_cast<int>(i));
     const bool seen = intersects(frustum, box) && !facesAway(scene.objects[i].facing, box, view.position);
     if (settings.cull && !seen) continue;
     visible.push_back(
@@ -264,7 +289,7 @@ SceneFrame FrameRenderer::Impl::frameData() const {
   data.flags.x |= (scene.sun ? SCENE_SUN : 0) | (shadow_sun ? SCENE_SHADOWS : 0) |
                   (settings.tone == ToneCurve::kFilmic ? SCENE_FILMIC : 0) |
                   (settings.tone == ToneCurve::kNeutral ? SCENE_NEUTRAL : 0) |
-                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) |
+                  (settings.lambda ? SCENE_LAMBDA_OVERRIDE : 0) | (settings.shell ? SCENE_SHELL : 0) |
                   (settings.lambda_rule == LambdaRule::kDistance ? SCENE_LAMBDA_DISTANCE : 0);
   const Environment sky{skyLight(settings.sky_ambient, settings.ground_ambient, {0, 1, 0}), {}};
   setEnvironment(settings.environment ? *settings.environment : sky, settings.reflections.get(), data);
@@ -299,8 +324,8 @@ void FrameRenderer::Impl::drawObject(int index, Faces faces) const {
 
 ShadowRelief FrameRenderer::Impl::shadowRelief() const {
   const glm::vec3 direction = shadowSun().value_or(glm::vec3(0));
-  if (!settings.parallax_depth || settings.base_materials_only) return {direction, false, 0, {}};
-  return {direction, true, materials.reliefRevision(), settings.lambda};
+  if (!settings.parallax_depth || settings.base_materials_only) return {direction};
+  return {direction, true, settings.shell, materials.reliefRevision(), settings.lambda};
 }
 
 // The way that the light travels that throws the shadows; none: nothing throws any.
@@ -555,7 +580,7 @@ Status FrameRenderer::draw(const FrameTarget& target) {
   Impl& self = *impl_;
   if (target.size.x < 1 || target.size.y < 1) return {};  // a minimised window
   const GlDrawStateScope scope(kUnits, kUniformBindings);
-  if (const auto sun = self.shadowSun()) self.sun_view = sunView(self.scene.bounds, *sun, ShadowMap::kSide);
+  if (const auto sun = self.shadowSun()) self.sun_view = sunView(self.shownBounds(), *sun, ShadowMap::kSide);
   self.uploadUniforms();
   setPassState();
   if (Status status = self.drawShadowMap(); !status) return status;

@@ -50,6 +50,10 @@ struct FrameSettings {
   // relief's valleys is seen and lit. Costs a lookup per texel of the shadow map and per pixel of the
   // pre-pass.
   bool parallax_depth = false;
+  // With parallax_depth: a mesh is where its relief is lowest, not highest, so that silhouettes gain what
+  // sticks out. Drawn as a shell: the mesh moved out along its normals by the depth of the tile, less what
+  // rays do not meet. Meshes with hard edges gape there.
+  bool shell = false;
   // Per pixel, for silhouettes; 1, 2, 4 or 8. Above 1 the frame is drawn elsewhere and its colour alone
   // resolved into the target, whose depth is neither cleared nor written.
   int samples = 1;

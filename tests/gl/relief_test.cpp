@@ -61,6 +61,12 @@ void addChip(Scene& scene, const glm::vec3& centre, const glm::vec2& half) {
   scene.instances.push_back({"chip", 1, 1, glm::mat4(1)});
 }
 
+double meanDifference(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += double(glm::length(glm::vec3(a[i]) - glm::vec3(b[i])));
+  return sum / double(a.size());
+}
+
 class Relief : public GlTest {
  protected:
   Scene sceneUnder(const glm::vec3& to_sun, SurfaceKind kind = SurfaceKind::kPlane) {
@@ -71,13 +77,15 @@ class Relief : public GlTest {
   }
 
   // Seen from 1 m above x = centre; pixels are 1.8 mm wide.
-  std::vector<glm::vec4> picture(const Scene& scene, bool shadows, float centre, bool depth_prepass = true) {
+  std::vector<glm::vec4> picture(const Scene& scene, bool shadows, float centre, bool depth_prepass = true,
+                                 bool shell = false) {
     auto materials = makeMaterials();
     ShaderLibrary shaders(*device, {});
     auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
     EXPECT_TRUE(renderer.ok());
     FrameSettings settings;
     settings.parallax_depth = true;
+    settings.shell = shell;
     settings.shadows = shadows;
     settings.depth_prepass = depth_prepass;
     settings.tone = ToneCurve::kClip;
@@ -238,6 +246,26 @@ TEST_F(Relief, LeavesNoHolesAtCurvedSilhouettes) {
     EXPECT_GT(relief, int(with.size()) / 5) << "the silhouette is out of view";
     EXPECT_EQ(holes, 0);
     EXPECT_EQ(differ, 0) << "from what is drawn without a pre-pass";
+  }
+}
+
+// The reference surface of a shell lies above its mesh by the depth of the tile: a sphere that is smaller by
+// as much has the same picture as a shell.
+TEST_F(Relief, TheShellOfASmallerSphereIsTheSphere) {
+  const float radius = 24 / (8 * 2 * float(kPi)), depth = ridges().geometry.range.z * kPeriod;
+  Scene sphere = sceneUnder({1, 0.1f, 0.6f}, SurfaceKind::kSphere), smaller = sphere;
+  smaller.instances[0].world_from_local =
+      glm::mat4(glm::mat3(radius / (radius + depth))) * smaller.instances[0].world_from_local;
+  smaller.instances[0].world_from_local[3].w = 1;
+  addChip(sphere, {0, 0, -3}, {9, 9});
+  addChip(smaller, {0, 0, -3}, {9, 9});
+  for (const bool shadows : {false, true}) {
+    const auto given = picture(sphere, shadows, 0.44f), shell = picture(smaller, shadows, 0.44f, true, true),
+               bare = picture(smaller, shadows, 0.44f);
+    EXPECT_LT(meanDifference(given, shell), 0.05 * meanDifference(given, bare)) << shadows;
+    int outside = 0;
+    for (size_t i = 0; i < given.size(); ++i) outside += (given[i].g > 0.05f) != (shell[i].g > 0.05f);
+    EXPECT_LE(outside, int(given.size()) / 500) << shadows;
   }
 }
 

@@ -317,6 +317,7 @@ void addBands(FaultList& list) {
   fused(id::kNoQuads, "none", [](Material& m) {
     m.bands[0].y_quads = m.bands[0].chroma_quads = 0;
     m.bands[0].quad_scale.clear();
+    m.bands[0].quad_end.clear();
   });
   fused(id::kQuadScale, "not finite", [](Material& m) { m.bands[0].quad_scale[0].z = kNan; });
   fused(id::kQuadEnd, "not a number", [](Material& m) { m.bands[1].quad_end[0] = kNan; });

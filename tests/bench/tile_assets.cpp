@@ -44,8 +44,11 @@ Material smallestFused(const BakedOutput& baked) {
   const auto source = require(importer::bakedSource(baked));
   const auto btf = require(importer::loadYcc(*source, 0));
   const importer::FusedPlan plan = importer::smallestPlan(baked.manifest().geometry_size);
-  return importer::fitFused(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0)
-      .material;
+  Material material =
+      importer::fitFused(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0)
+          .material;
+  material.aspect = static_cast<float>(baked.manifest().aspect);
+  return material;
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace loden::bench {
 // tiles at the density whose cells, two triangles each, are as wide as a pixel (from 4 to 128 a period, by
 // powers of two), others as the file has them. Each pixel's nearest triangle says which parameter it sees;
 // the surface maps of `material` are read there, as by the marches. No multisampling.
-// `tile` as importer::loadTile takes it.
+// `tile`, of one chart, as importer::loadTile takes it.
 TileRenderer meshRenderer(const runtime::Device& device, const std::string& tile, const Material& material);
 
 // Parallax occlusion mapping in a shell (Hirche et al. 2004, "Hardware accelerated per-pixel displacement

@@ -14,8 +14,8 @@ namespace loden::bench {
 // The one whose time is 1; always there.
 inline constexpr const char* kBaseRenderer = "normal map";
 
-// Those that `arguments` wants and that can draw this tile: marches need a height field, the table a power of
-// two. `constant` is what a constant colour draws.
+// Those that `arguments` wants and that can draw this tile: marches need a height field, the mesh a surface
+// of one chart, the table a power of two. `constant` is what a constant colour draws.
 std::vector<TileRenderer> tileRenderers(const runtime::Device& device, const TileArguments& arguments,
                                         const std::string& tile, const importer::BakedOutput& baked,
                                         const importer::TileTracer& tracer,

@@ -131,7 +131,7 @@ vec3 loden_evaluate_near_environment(LodenHit hit, LodenHemisphere light, vec3 w
   float open = clamp(first.x / max(0.5 + 0.5 * n.z, 0.05), 0.0, 1.0);
   if (!ggx)
     return hit.near.diffuse * irradiance +
-           (hit.near.strength * 8.0 / (hit.near.width + 8.0)) * open * mirrored;
+           (hit.near.strength * loden_phong_albedo(hit.near.width, nv)) * open * mirrored;
   vec3 shine = loden_lobe_albedo(hit.near.width, hit.near.f0, nv);
   vec3 f0 = vec3(max(max(hit.near.f0.x, hit.near.f0.y), hit.near.f0.z));
   float left = 1.0 - loden_lobe_albedo(hit.near.width, f0, nv).x;

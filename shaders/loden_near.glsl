@@ -43,6 +43,12 @@ vec3 loden_lobe_albedo(float alpha, vec3 f0, float cosine) {
   return clamp(f0 * (r.z - 1.04 * a) + (1.04 * a + r.w), 0.0, 1.0);
 }
 
+// Light from all around that a Phong lobe of strength 1 returns, white sky = 1: the integral over l of
+// (N.H)^e N.L / pi, within .075 of the numerical one. Cosine of the view and the normal.
+float loden_phong_albedo(float exponent, float cosine) {
+  return 8.0 / (exponent + 8.0) * (2.2 + exponent * cosine * cosine) / (2.2 + exponent);
+}
+
 // Share of the diffuse light that the lobe leaves over (Kelemen and Szirmay-Kalos 2001).
 float loden_ggx_coupling(LodenNear near, float cos_light, float cos_view) {
   vec3 f0 = vec3(max(max(near.f0.x, near.f0.y), near.f0.z));

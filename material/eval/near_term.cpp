@@ -62,6 +62,11 @@ float finestLevel(const Material& material) {
 }
 
 template <class T>
+T phongAlbedo(T exponent, T cosine) {
+  return T(8) / (exponent + T(8)) * (T(2.2) + exponent * cosine * cosine) / (T(2.2) + exponent);
+}
+
+template <class T>
 T nearWeight(const Material& material, T lambda) {
   if (!material.surface) return T(0);
   if (material.bands.empty()) return T(1);
@@ -148,7 +153,7 @@ V3<T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point
   // What meets the surface of a white sky stands for what meets it along the mirror direction.
   const T open = std::clamp(first.x / std::max(T(0.5) + T(0.5) * n.z, T(0.05)), T(0), T(1));
   if (!ggx)
-    return point.diffuse * irradiance + (point.strength * T(8) / (point.width + T(8))) * open * mirrored;
+    return point.diffuse * irradiance + (point.strength * phongAlbedo(point.width, nv)) * open * mirrored;
   const V3<T> shine = lobeAlbedo(point.width, point.f0, nv);
   const V3<T> f0(std::max({point.f0.x, point.f0.y, point.f0.z}));
   const T left = T(1) - lobeAlbedo(point.width, f0, nv).x;
@@ -209,6 +214,8 @@ template float nearWeight(const Material&, float);
 template double nearWeight(const Material&, double);
 template glm::vec<3, float> lobeAlbedo(float, const glm::vec<3, float>&, float);
 template glm::vec<3, double> lobeAlbedo(double, const glm::vec<3, double>&, double);
+template float phongAlbedo(float, float);
+template double phongAlbedo(double, double);
 template NearPoint<float> nearPoint(const SurfaceMaps&, glm::vec<2, float>, float);
 template NearPoint<double> nearPoint(const SurfaceMaps&, glm::vec<2, double>, double);
 template glm::vec<3, float> evaluateNear(Lobe, const NearPoint<float>&, const glm::vec<3, float>&,

@@ -40,6 +40,11 @@ glm::vec<3, T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<
 template <class T>
 glm::vec<3, T> lobeAlbedo(T alpha, const glm::vec<3, T>& f0, T cosine);
 
+// Light from all around that a Phong lobe of strength 1 returns, white sky = 1: the integral over l of
+// (N.H)^e N.L / pi, within .075 of the numerical one. Cosine of the view and the normal.
+template <class T>
+T phongAlbedo(T exponent, T cosine);
+
 // V(p, wi) by the shadow map: two fetches of the shaders for each of its layers, of which the one of the
 // weights is shared by all lights.
 template <class T>

@@ -1,19 +1,23 @@
 #!/usr/bin/env bash
-# Ray traced truth beside what loden_walk draws in the three modes, near, far and magnified (eight pixels a
-# texel). usage: pictures.sh BIN OUT TILE SURFACE.loden LOD.loden FUSED.loden
+# Ray traced truth beside what loden_walk draws in the three modes: near, far and magnified (eight pixels a
+# texel) under one light, and near in the light of sky.hdr from all around.
+# usage: pictures.sh BIN OUT TILE SURFACE.loden LOD.loden FUSED.loden
 # Writes OUT/TILE-<camera>-<mode>.png, OUT/TILE.png (rows near, far; columns truth, surface, lod, fused), one
-# such row in OUT/TILE-magnified.png, and prints one Markdown table row per mode and camera.
+# such row each in OUT/TILE-magnified.png and OUT/TILE-sky.png, and prints one Markdown table row per mode and
+# camera.
 set -euo pipefail
 readonly bin=$1 out=$2 tile=$3
 readonly -A assets=([surface]=$4 [lod]=$5 [fused]=$6)
-readonly size=320x160 light=45,60
+readonly size=320x160
 here=$(dirname "${BASH_SOURCE[0]}")
 mkdir -p "$out"
 if [[ ! -x $bin/picture_grid ]]; then cmake --build "$(dirname "$bin")" --target picture_grid >&2; fi
 
 pictures=()
-for camera in near far magnified; do
-  common=(--surface plane --camera "$here/cameras/$camera.json" --light "$light" --size "$size")
+for camera in near far magnified sky; do
+  light=(--light 45,60) view=$camera
+  if [[ $camera == sky ]]; then light=(--environment "$here/sky.hdr") view=near; fi
+  common=(--surface plane --camera "$here/cameras/$view.json" "${light[@]}" --size "$size")
   truth=$out/$tile-$camera-truth.png
   "$bin/loden" -q trace "builtin:$tile" -o "$truth" "${common[@]}" --spp 256 >&2
   pictures+=("$truth")
@@ -30,4 +34,5 @@ for camera in near far magnified; do
   done
 done
 "$bin/picture_grid" "$out/$tile.png" 4 "${pictures[@]:0:8}"
-"$bin/picture_grid" "$out/$tile-magnified.png" 4 "${pictures[@]:8}"
+"$bin/picture_grid" "$out/$tile-magnified.png" 4 "${pictures[@]:8:4}"
+"$bin/picture_grid" "$out/$tile-sky.png" 4 "${pictures[@]:12}"

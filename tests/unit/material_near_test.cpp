@@ -168,6 +168,25 @@ TEST(Near, IsTheWholeOfAMaterialWithoutBands) {
   EXPECT_EQ(finestLevel(test::nearMaterial()), -1.0f);
 }
 
+TEST(Near, PhongLobesReturnWhatTheirIntegralSays) {
+  constexpr int kRows = 200;
+  for (const double exponent : {1.0, 4.0, 15.0, 60.0, 250.0})
+    for (const double cosine : {1.0, 0.8, 0.6, 0.4, 0.2, 0.05}) {
+      NearPoint<double> point;
+      point.strength = 1;
+      point.width = exponent;
+      const glm::dvec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
+      double sum = 0;
+      for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < 2 * kRows; ++column) {
+          const double z = (row + 0.5) / kRows, phi = kPi * (column + 0.5) / kRows;
+          const double sine = std::sqrt(1 - z * z);
+          sum += evaluateNear(Lobe::kPhong, point, {sine * std::cos(phi), sine * std::sin(phi), z}, wo).x;
+        }
+      EXPECT_NEAR(phongAlbedo(exponent, cosine), sum / (kRows * kRows), 0.075) << exponent << ", " << cosine;
+    }
+}
+
 // The ambient part of light that is the same all around, on a plane that nothing hides, is the albedo.
 TEST(Near, WhiteSkyGivesTheAlbedo) {
   Material material = test::surfaceMaterial();

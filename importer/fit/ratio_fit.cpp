@@ -10,7 +10,16 @@ namespace {
 constexpr int kSteps = 40;      // conjugate gradients on a well conditioned, diagonally dominant system
 constexpr double kPull = 1e-4;  // towards the start, relative to the mean weight of a texel
 
-// Per view and texel: sum over lights of Y^2 and of Y C.
+// Light of which chroma is seen no better, white = 1.
+constexpr double kDark = 0.02;
+
+// Weight of a squared error of chroma beside luma y. What is seen of it goes with the slope of the cube root
+// (CIE Lab), y^(-2/3); unweighted, a few highlights would decide the colour of all that is darker.
+Eigen::ArrayXXd visible(const Eigen::ArrayXXd& y) {
+  return (y + kDark).pow(-4.0 / 3.0);
+}
+
+// Per view and texel: weighted sum over lights of Y^2 and of Y C.
 struct Moments {
   Matrix yy, yc;  // texels x views
 };
@@ -21,8 +30,10 @@ Moments moments(const ColumnBlocks& luma, const ColumnBlocks& chroma, int thread
     Matrix y, c;
     luma.read(v, y);
     chroma.read(v, c);
-    eigenCols(m.yy, v, 1) = eigen(y).rowwise().squaredNorm();
-    eigenCols(m.yc, v, 1) = eigen(y).cwiseProduct(eigen(c)).rowwise().sum();
+    const Eigen::ArrayXXd seen = eigen(y).array();
+    const Eigen::ArrayXXd weighted = visible(seen) * seen;
+    eigenCols(m.yy, v, 1) = (weighted * seen).rowwise().sum().matrix();
+    eigenCols(m.yc, v, 1) = (weighted * eigen(c).array()).rowwise().sum().matrix();
   });
   return m;
 }

@@ -10,7 +10,8 @@
 
 namespace loden::importer {
 
-// Minimises sum over views and lights of |(A_v r) Y_v - C_v|^2 for the Y that the asset gives.
+// Minimises sum over views and lights of (Y_v + .02)^(-4/3) |(A_v r) Y_v - C_v|^2 for the Y that the asset
+// gives: as Lab sees it.
 // `luma`, `chroma`: texels x (views * lights). `start` fills texels that no view sees. Returns flat_texels
 // values.
 std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a,

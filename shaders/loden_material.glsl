@@ -79,7 +79,7 @@ float loden_lambda_from_distance(float distance_) {
 float loden_parallax_fade(float lambda, vec3 wo) {
 #ifndef LODEN_HEIGHT_FIELD
   return 1.0;  // only where P.xy == p is p = x without parallax
-#endif
+#else
   float slope = length(loden_material.periods_per_length * wo.xy) / max(wo.z, LODEN_VDIM_COS);
 #ifdef LODEN_VISIBILITY
   // Shadows show from above, too; the light is taken to come at 45 degrees at least.
@@ -87,6 +87,7 @@ float loden_parallax_fade(float lambda, vec3 wo) {
 #endif
   float texels = loden_material.geometry_range.z * slope * loden_material.side * exp2(-lambda);
   return clamp(4.0 * texels - 1.0, 0.0, 1.0);
+#endif
 }
 
 // Share of what is shown at this lambda that is read at p; 0: nobody asks for it.

@@ -11,8 +11,8 @@ struct LodenEffort {
   float texels;   // of the march: steps along the plane, in texels of the height field
   float samples;  // of the march, at most
 };
-const LodenEffort LODEN_EFFORT_FAST = LodenEffort(1, 12, 2.0, 16.0);
-const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 24, 1.0, 32.0);
+const LodenEffort LODEN_EFFORT_FAST = LodenEffort(1, 18, 2.0, 16.0);
+const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 36, 1.0, 32.0);
 #ifdef LODEN_LOOKUP_FAST
 #define LODEN_EFFORT LODEN_EFFORT_FAST
 #else
@@ -20,10 +20,10 @@ const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 24, 1.0, 32.0);
 #endif
 
 const float LODEN_REACH = 3.0;               // texels that one visit may move by
-const float LODEN_INSIDE = 0.2;              // texels beyond a patch at which its extension still counts
+const float LODEN_INSIDE = 0.1;              // texels beyond a patch at which its extension still counts
 const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
-const int LODEN_EACH = 4;                    // visits for each candidate depth
-const int LODEN_BENT_EACH = 5;               // the same of a bent ray, whose direction changes on the way
+const int LODEN_EACH = 6;                    // visits for each candidate depth
+const int LODEN_BENT_EACH = 6;               // the same of a bent ray, whose direction changes on the way
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
 const float LODEN_MARGIN = 15.5 / 255.0;     // of the depth range

@@ -11,10 +11,10 @@ namespace loden {
 namespace {
 
 constexpr float kReach = 3;      // texels that one visit of a patch may move by
-constexpr float kInside = 0.2f;  // texels beyond a patch at which its extension still counts as the surface
+constexpr float kInside = 0.1f;  // texels beyond a patch at which its extension still counts as the surface
 constexpr float kBentResidual = 0.1f;  // texels between surface and bent ray at which they meet
-constexpr int kEach = 4;               // visits for each candidate depth
-constexpr int kBentEach = 5;           // the same of a bent ray, whose direction changes on the way
+constexpr int kEach = 6;               // visits for each candidate depth
+constexpr int kBentEach = 6;           // the same of a bent ray, whose direction changes on the way
 // Depths are 8-bit codes, so thresholds lie between codes: rounding cannot tip a comparison.
 constexpr float kCluster = 20.5f / 255.0f;    // of the depth range: entries this close are one surface
 constexpr float kSeparation = 1.5f / 255.0f;  // of the depth range: closer candidates are one candidate
@@ -35,8 +35,8 @@ struct Effort {
   float samples;  // of the march, at most
 };
 Effort effortOf(Lookup lookup) {
-  if (lookup == Lookup::kFast) return {1, 12, 2, 16};
-  return {3, 24, 1, 32};
+  if (lookup == Lookup::kFast) return {1, 18, 2, 16};
+  return {3, 36, 1, 32};
 }
 
 // A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent.

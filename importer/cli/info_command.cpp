@@ -220,23 +220,26 @@ class InfoCommand : public Command {
     const auto file = AssetFile::open(source, path_.string());
     if (!file && exitCodeOfAll(issues) == kExitOk)  // it has changed since, or cannot be read any more
       issues.push_back(file.issue());
+    const Result<std::string> meta = file ? file->loadMeta() : std::string();
+    if (!meta && exitCodeOfAll(issues) == kExitOk) issues.push_back(meta.issue());
+    const std::string notes = meta ? *meta : std::string();
     if (globals.json)
-      printAsJson(source->size(), file, issues);
+      printAsJson(source->size(), file, notes, issues);
     else
-      printAsText(source->size(), file, issues);
+      printAsText(source->size(), file, notes, issues);
     return exitCodeOfAll(issues);
   }
 
  private:
-  void printAsJson(uint64_t file_bytes, const Result<AssetFile>& file,
+  void printAsJson(uint64_t file_bytes, const Result<AssetFile>& file, const std::string& notes,
                    const std::vector<Issue>& issues) const {
     Json json{{"file", path_.string()}, {"file_bytes", file_bytes}, {"issues", Json::array()}};
     for (const Issue& issue : issues) json["issues"].push_back(issueJson(issue));
-    if (file) describe(*file, json);
+    if (file) describe(*file, notes, json);
     printJson("info", json);
   }
 
-  static void describe(const AssetFile& file, Json& json) {
+  static void describe(const AssetFile& file, const std::string& notes, Json& json) {
     const Material& m = file.skeleton();
     json.update({{"name", m.name},
                  {"mode", modeName(m.mode)},
@@ -279,20 +282,19 @@ class InfoCommand : public Command {
                                 {"raw_bytes", chunk.raw_bytes},
                                 {"hash", formatted("%016llx", static_cast<unsigned long long>(chunk.hash))}});
     json["present_chunks"] = file.presentChunks();
-    const std::string meta_text = file.loadMeta();
-    const auto meta = Json::parse(meta_text, nullptr, false);
-    json["cook"] = meta.is_discarded() ? Json(meta_text) : meta;
+    const auto meta = Json::parse(notes, nullptr, false);
+    json["cook"] = meta.is_discarded() ? Json(notes) : meta;
   }
 
-  void printAsText(uint64_t file_bytes, const Result<AssetFile>& file,
+  void printAsText(uint64_t file_bytes, const Result<AssetFile>& file, const std::string& notes,
                    const std::vector<Issue>& issues) const {
     std::string text = formatted("%s: %s bytes on disk\n", path_.c_str(), withThousands(file_bytes).c_str());
-    if (file) text += describedText(*file);
+    if (file) text += describedText(*file, notes);
     for (const Issue& issue : issues) text += issueText(issue) + "\n";
     printText(text);
   }
 
-  static std::string describedText(const AssetFile& file) {
+  static std::string describedText(const AssetFile& file, const std::string& notes) {
     const Material& m = file.skeleton();
     std::string text = formatted("%s: %s, %d x %d texels, lambda 0 to %g, %zu bands, value %s cos(theta_i)\n",
                                  m.name.c_str(), modeName(m.mode), m.side, m.side, m.lambda_max,
@@ -318,7 +320,7 @@ class InfoCommand : public Command {
     for (const LevelBytes& level : cumulativeBytes(m, parts))
       text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level,
                         withThousands(level.raw).c_str(), withThousands(level.gpu).c_str());
-    return text + cookedText(file.loadMeta());
+    return text + cookedText(notes);
   }
 
   std::filesystem::path path_;

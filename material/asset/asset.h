@@ -99,9 +99,8 @@ class AssetFile {
   const Material& skeleton() const { return skeleton_; }
   // The whole chunk table, absent chunks included.
   std::span<const ChunkInfo> chunks() const { return chunks_; }
-  // How it was cooked (Material::meta_json); empty if that is absent or damaged, since it is optional: what
-  // is wrong with it is for validateAsset to say.
-  std::string loadMeta() const;
+  // How it was cooked (Material::meta_json); empty if that is absent, since it is optional.
+  Result<std::string> loadMeta() const;
   // How many of chunks(), from the front, lie wholly inside the source.
   int presentChunks() const { return present_chunks_; }
   // Of what is stored in two chunks, the leading part alone (material/model/leading_part.h), or all.

@@ -79,6 +79,10 @@ class MaterialCheck {
            " is not in 0..", Limits::kMaxLambda);
     header(within(m_.lambda_max, 0, Limits::kMaxLambda), issue_id::kLambdaMax, "lambda_max ", m_.lambda_max,
            " is not in 0..", Limits::kMaxLambda);
+    const bool lambdas =
+        within(m_.lambda_min, 0, Limits::kMaxLambda) && within(m_.lambda_max, 0, Limits::kMaxLambda);
+    header(!lambdas || m_.lambda_min <= m_.lambda_max, issue_id::kLambdaOrder, "lambda_min ", m_.lambda_min,
+           " is above lambda_max ", m_.lambda_max);
     header(m_.value_scale > 0 && isValue(m_.value_scale), issue_id::kValueScale, "value_scale ",
            m_.value_scale, " is not positive, or above ", Limits::kMaxValue);
     const uint64_t finest = uint64_t{Limits::kMaxSideRatio} * static_cast<uint64_t>(greatestSide());

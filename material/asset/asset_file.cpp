@@ -20,9 +20,11 @@ Result<AssetFile> AssetFile::open(std::shared_ptr<const ByteSource> source, cons
   });
 }
 
-std::string AssetFile::loadMeta() const {
+Result<std::string> AssetFile::loadMeta() const {
   Result<Material> meta = load(kMeta, -1, Share::kFirst);
-  return meta ? std::move(meta->meta_json) : std::string();
+  if (meta) return std::move(meta->meta_json);
+  if (meta.issue().id == issue_id::kMissingChunk) return std::string();
+  return meta.issue();
 }
 
 uint64_t AssetFile::storedBytes(uint32_t type, int band, Share share) const {

@@ -110,6 +110,7 @@ inline constexpr std::array kIssueKinds{
     IssueKind{issue_id::kDirectionBelow, "direction-below", "a direction points below the surface"},
     IssueKind{issue_id::kSurfaceBands, "surface-bands", "a material of mode surface has bands"},
     IssueKind{issue_id::kLodMaps, "lod-maps", "a material of mode lod has surface maps"},
+    IssueKind{issue_id::kLambdaOrder, "lambda-order", "lambda_min is above lambda_max"},
     IssueKind{issue_id::kMapSize, "map-size", "texels are not as many as the extents need"},
     IssueKind{issue_id::kNonFinite, "non-finite", "texels are not finite"},
     IssueKind{issue_id::kTexelRange, "texel-range", "texels are beyond kMaxValue"},

@@ -76,6 +76,7 @@ inline constexpr int kDirectionLength = 3027;
 inline constexpr int kDirectionBelow = 3028;
 inline constexpr int kSurfaceBands = 3029;
 inline constexpr int kLodMaps = 3030;
+inline constexpr int kLambdaOrder = 3031;
 // 4xxx: band and map data
 inline constexpr int kMapSize = 4003;
 inline constexpr int kNonFinite = 4004;

@@ -36,7 +36,7 @@ GeometryImage encodeGeometryImage(int side, std::span<const glm::dvec3> position
     const glm::dvec2 d = glm::abs(displacement(k));
     range = glm::max(range, glm::dvec3(2 * d.x, 2 * d.y, -positions[k].z));
   }
-  image.range = glm::vec3(range * (1 + 1e-6));  // rounding up to float keeps every code inside [0, 1]
+  image.range = glm::vec3(range);  // where that rounds down, encode() clamps what is a 200th of a code
   const glm::dvec3 unit = 1.0 / glm::max(glm::dvec3(image.range), glm::dvec3(1e-30));
   auto* codes = reinterpret_cast<uint16_t*>(image.texels.data.data());
   for (size_t k = 0; k < count; ++k, codes += 4) {

@@ -3,7 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "material/base/issues.h"
 #include "tests/cli/run_with.h"
+#include "tests/unit/asset_faults.h"
 
 namespace loden::test {
 namespace {
@@ -235,6 +237,26 @@ TEST(Info, CutAsset_ShowsWhatItCanAndFails) {
                     .exit_code != 0,
             true);
   EXPECT_FALSE(std::filesystem::exists(scratch / "o.exr"));
+}
+
+// The notes' own checksum holds in these.
+TEST(Info, UnreadableNotes_AreNamed) {
+  const ScratchFolder scratch;
+  int tried = 0;
+  for (const AssetFault& fault : assetFaults()) {
+    if (fault.id != issue_id::kMetaText) continue;
+    ++tried;
+    writeText(scratch / "m.loden",
+              std::string(reinterpret_cast<const char*>(fault.file.data()), fault.file.size()));
+    const ToolRun info = loden({"info", scratch / "m.loden", "--format", "json"});
+    EXPECT_EQ(info.exit_code, 3) << fault.what;
+    const Json json = Json::parse(info.out, nullptr, false);
+    ASSERT_TRUE(json.is_object());
+    ASSERT_EQ(json["issues"].size(), 1u) << fault.what;
+    EXPECT_EQ(json["issues"][0]["id"], fault.id) << fault.what;
+    EXPECT_FALSE(json["maps"].empty()) << "the rest is shown";
+  }
+  EXPECT_GT(tried, 0);
 }
 
 TEST(Validate, DamagedByte_IsFoundAndNumbered) {

@@ -265,6 +265,7 @@ void addHeader(FaultList& list) {
   fused(id::kLambdaMin, "-1", [](Material& m) { m.lambda_min = -1; });
   fused(id::kLambdaMin, "33", [](Material& m) { m.lambda_min = 33; });
   fused(id::kLambdaMax, "not finite", [](Material& m) { m.lambda_max = kNan; });
+  fused(id::kLambdaOrder, "above", [](Material& m) { m.lambda_min = m.lambda_max + 0.5f; });
   fused(id::kValueScale, "0", [](Material& m) { m.value_scale = 0; });
   fused(id::kValueScale, "65505", [](Material& m) { m.value_scale = 65505; });
   fused(id::kValueScale, "infinite", [](Material& m) { m.value_scale = kInfinity; });

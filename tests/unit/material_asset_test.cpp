@@ -68,7 +68,7 @@ TEST(Asset, LoadsEachPartByItself) {
     if (!material.geometry.empty()) read.geometry = *file->loadGeometry();
     if (material.stored_vdim) read.stored_vdim = *file->loadStoredVdim();
     if (material.surface) read.surface = *file->loadSurface();
-    read.meta_json = file->loadMeta();
+    read.meta_json = *file->loadMeta();
     expectSame(material, read);
   }
 }

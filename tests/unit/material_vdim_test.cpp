@@ -10,8 +10,11 @@
 #include <random>
 #include <thread>
 
+#include "material/asset/asset.h"
+#include "material/base/issues.h"
 #include "material/model/vdim.h"
 #include "material/system/threads.h"
+#include "tests/unit/material_fixtures.h"
 
 namespace loden {
 namespace {
@@ -63,6 +66,27 @@ TEST(GeometryImage, KeepsPositionsWithinItsQuantisation) {
       EXPECT_NEAR(patch.p00.z, expected.z, 4e-6);
       EXPECT_EQ(patch.chart, 1u);
     }
+}
+
+// The bound of material/FORMAT.md is inclusive.
+TEST(GeometryImage, APointFourPeriodsAway_IsAValidAsset) {
+  constexpr int kSide = 8;
+  std::vector<glm::dvec3> points;
+  for (int t = 0; t < kSide * kSide; ++t)
+    points.emplace_back((t % kSide + 0.5) / kSide + 2, (t / kSide + 0.5) / kSide - 2,
+                        -4.0 * t / (kSide * kSide - 1));
+  Material material = test::surfaceMaterial();
+  material.aspect = 1;
+  material.geometry =
+      encodeGeometryImage(kSide, points, std::vector<uint16_t>(points.size(), uint16_t(1)), false);
+  EXPECT_EQ(material.geometry.range, glm::vec3(4));
+  EXPECT_TRUE(serializeAsset(material).ok());
+  points.back().z = -4.001;
+  material.geometry =
+      encodeGeometryImage(kSide, points, std::vector<uint16_t>(points.size(), uint16_t(1)), false);
+  const auto refused = serializeAsset(material);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.issue().id, issue_id::kGeometryRange);
 }
 
 TEST(GeometryImage, PatchesDoNotBridgeCharts) {

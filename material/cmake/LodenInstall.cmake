@@ -34,4 +34,10 @@ function(loden_install_package)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
           ${PROJECT_SOURCE_DIR}/CHANGELOG.md
           DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  # Where README.md's links lead.
+  foreach(page importer/README.md runtime/EMBEDDING.md sample_game/README.md material/FORMAT.md
+          importer/gltf/README.md)
+    get_filename_component(folder ${page} DIRECTORY)
+    install(FILES ${PROJECT_SOURCE_DIR}/${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+  endforeach()
 endfunction()

@@ -48,10 +48,10 @@ foreach(program consumer engine)
   message(STATUS "${program} says ${output}")
 endforeach()
 
-# README.md shows this very program.
+# EMBEDDING.md shows this very program.
 file(READ ${CONSUMER}/main.cpp program)
-file(READ ${WORK}/prefix/share/doc/Loden/README.md readme)
-string(FIND "${readme}" "${program}" place)
+file(READ ${WORK}/prefix/share/doc/Loden/runtime/EMBEDDING.md page)
+string(FIND "${page}" "${program}" place)
 if(place EQUAL -1)
-  message(FATAL_ERROR "README.md does not show ${CONSUMER}/main.cpp as it is")
+  message(FATAL_ERROR "runtime/EMBEDDING.md does not show ${CONSUMER}/main.cpp as it is")
 endif()

@@ -14,6 +14,32 @@ struct SurfacePoint {
   LodenHit hit;
 };
 
+#ifdef SCENE_PARALLAX_OCCLUSION
+// What engines have in place of the lookup (Tatarchuk 2006): linear steps down the view ray until it is below
+// the height field, then bisections between the last two. The heights have no mips. Until they are resident,
+// x itself.
+LodenHit occludedHit(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
+  const int kSteps = 16, kBisections = 5;
+  vec2 shift = loden_bounded_slope(wo) * loden_material.periods_per_length *
+               (-loden_material.geometry_range.z * float(loden_material.geometry_resident));
+  float above = 0.0, below = 1.0;
+  int taken = 0;
+  do {
+    below = float(taken + 1) / float(kSteps);
+    if (1.0 - textureLod(loden_height, x + shift * below, 0.0).r <= below) break;
+    above = below;
+  } while (++taken < kSteps);
+  for (int i = 0; i < kBisections; ++i) {
+    float middle = 0.5 * (above + below);
+    if (1.0 - textureLod(loden_height, x + shift * middle, 0.0).r <= middle)
+      below = middle;
+    else
+      above = middle;
+  }
+  return loden_hit_at_parameter(x, x + shift * below, min(max(m.lambda_min, lambda), LODEN_MOST_LAMBDA));
+}
+#endif
+
 SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo) {
   SurfacePoint point;
   point.material = loden_material_default();
@@ -28,10 +54,17 @@ SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo)
   point.material.skip_parallax =
       false;  // seen from above a relief moves nothing sideways, but is deep all the same
 #endif
+#ifdef SCENE_PARALLAX_OCCLUSION
+  float lambda = (scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0 ? scene.lambda.x
+                 : point.material.distance_ > 0.0 ? loden_lambda_from_distance(point.material.distance_)
+                                                  : loden_lambda_from_footprint(dx, dy);
+  point.hit = occludedHit(point.material, x, lambda, wo);
+#else
   if ((scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0)
     point.hit = loden_find_hit_at(point.material, x, scene.lambda.x, wo);
   else
     point.hit = loden_find_hit(point.material, x, dx, dy, wo);
+#endif
   return point;
 }
 

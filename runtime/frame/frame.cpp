@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <tuple>
 
 #include "material/base/issues.h"
 #include "material/model/directions.h"
 #include "runtime/frame/frame_multisample.h"
+#include "runtime/frame/frame_programs.h"
 #include "runtime/frame/frame_shadow.h"
 #include "runtime/frame/image_light.h"
 #include "runtime/frame/scene_gpu.h"
@@ -32,16 +32,6 @@ struct ShadowRelief {
   uint64_t revision = 0;  // MaterialSystem::reliefRevision
   std::optional<float> lambda;
   friend bool operator==(const ShadowRelief&, const ShadowRelief&) = default;
-};
-
-// What a pass draws with: set again only where the next object wants another.
-struct PassProgram {
-  std::string_view row;
-  MaterialId material;
-  MaterialVariant variant;
-  uint32_t program = 0;
-  int changes = 0;
-  int base_material = -1;  // whose textures are bound
 };
 
 // The faces of an object that a draw shows.
@@ -169,30 +159,19 @@ struct FrameRenderer::Impl {
   std::vector<Drawable> visible;
   std::vector<MaterialId> demanded;  // parallel to stats.demands
   FrameStats stats;
+  FramePrograms programs{shaders, materials, scene, image_light, settings};
 
   float shellDepth(int object) const;
   Bounds shownBounds(int object) const;
   Bounds shownBounds() const;
   void findVisible();
   void demandMaterials();
-  MaterialId materialOf(int object) const;
-  AlphaMode alphaMode(int object) const;
 
   SceneFrame frameData() const;
   void uploadUniforms();
   void drawObject(int object, Faces faces = Faces::kAsMaterial) const;
-  bool movesDepth(MaterialId id) const;
   std::optional<glm::vec3> shadowSun() const;
-  MaterialVariant variantOf(MaterialId id) const;
-  MaterialVariant farVariantOf(const Drawable& drawable) const;
   ShadowRelief shadowRelief() const;
-  Status use(std::string_view row, MaterialId id, const MaterialVariant& variant, PassProgram& current);
-  Status use(std::string_view row, MaterialId id, PassProgram& current) {
-    return use(row, id, id ? variantOf(id) : MaterialVariant{}, current);
-  }
-  Status useForDepth(int object, PassProgram& current);
-  Status useForShading(const Drawable& drawable, PassProgram& current);
-  void bindBaseMaterial(int object, PassProgram& current) const;
   Status drawShadowMap();
   Status drawDepth();
   Status drawShaded();
@@ -203,8 +182,8 @@ struct FrameRenderer::Impl {
 
 // How far the object's reference surface lies above its mesh, metres.
 float FrameRenderer::Impl::shellDepth(int index) const {
-  const MaterialId id = materialOf(index);
-  if (!settings.shell || !movesDepth(id)) return 0;
+  const MaterialId id = programs.materialOf(index);
+  if (!settings.shell || !programs.movesDepth(id)) return 0;
   return materials.material(id).geometry.range.z / scene.objects[index].periods_per_metre;
 }
 
@@ -243,11 +222,12 @@ void FrameRenderer::Impl::demandMaterials() {
   std::vector<std::optional<float>> asked(scene.assets.size());
   for (Drawable& drawable : visible) {
     const Object& object = scene.objects[drawable.object];
-    if (object.asset < 0) continue;
-    const int side = materials.material(scene.assets[object.asset].material.id()).side;
-    const float lambda =
-        settings.lambda.value_or(demandLambda(view, object.bounds, object.periods_per_metre, side));
+    if (!programs.materialOf(drawable.object)) continue;
+    const Material& material = materials.material(scene.assets[object.asset].material.id());
+    float lambda =
+        settings.lambda.value_or(demandLambda(view, object.bounds, object.periods_per_metre, material.side));
     drawable.lambda = lambda;
+    if (settings.parallax_occlusion) lambda = std::min(lambda, material.surface->fade_begin);
     std::optional<float>& least = asked[object.asset];
     least = std::min(least.value_or(lambda), lambda);
   }
@@ -258,18 +238,6 @@ void FrameRenderer::Impl::demandMaterials() {
     stats.demands.push_back(
         {scene.assets[i].name, *asked[i], materials.residentLambda(scene.assets[i].material.id())});
   }
-}
-
-// None: drawn with its base material.
-MaterialId FrameRenderer::Impl::materialOf(int object) const {
-  const int asset = scene.objects[object].asset;
-  return settings.base_materials_only || asset < 0 ? MaterialId{} : scene.assets[asset].material.id();
-}
-
-// A Loden material is opaque whatever its fallback is.
-AlphaMode FrameRenderer::Impl::alphaMode(int object) const {
-  return materialOf(object) ? AlphaMode::kOpaque
-                            : scene.base_materials.alphaMode(scene.objects[object].base_material);
 }
 
 SceneFrame FrameRenderer::Impl::frameData() const {
@@ -335,80 +303,6 @@ std::optional<glm::vec3> FrameRenderer::Impl::shadowSun() const {
   return -settings.environment->suns[0].direction;
 }
 
-// The material's, but for what the settings leave out.
-MaterialVariant FrameRenderer::Impl::variantOf(MaterialId id) const {
-  MaterialVariant variant = materials.variant(id);
-  if (settings.lookup == Lookup::kFast && variant.lookup == Lookup::kDefault) variant.lookup = Lookup::kFast;
-  if (settings.visibility == Visibility::kNone)
-    variant.visibility = Visibility::kNone, variant.shadow_quads = 0;
-  const bool fast = settings.visibility != Visibility::kDefault || variant.lookup == Lookup::kFast;
-  if (fast && byLookup(variant.visibility)) variant.visibility = Visibility::kFast;
-  return variant;
-}
-
-// The same without what is too fine to be seen on the object. Its lambda has no upper bound, since pixels
-// that see a surface edge on ask for any; and it is that of most of the object, a level above which is taken
-// to be that of all.
-MaterialVariant FrameRenderer::Impl::farVariantOf(const Drawable& drawable) const {
-  const MaterialId id = materialOf(drawable.object);
-  if (settings.lambda_rule != LambdaRule::kFootprint && !settings.lambda) return variantOf(id);
-  return narrowed(variantOf(id), materials.material(id),
-                  {drawable.lambda - 1, std::numeric_limits<float>::max()});
-}
-
-Status FrameRenderer::Impl::use(std::string_view row, MaterialId id, const MaterialVariant& variant,
-                                PassProgram& current) {
-  if (current.program != 0 && current.row == row && current.material == id && current.variant == variant)
-    return {};
-  const Result<uint32_t> program = shaders.program(row, variant);
-  if (!program) return program.issue();
-  if (current.program != *program) ++current.changes;
-  glUseProgram(*program);
-  if (id) materials.bind(id);
-  current = {row, id, variant, *program, current.changes, -1};
-  return {};
-}
-
-void FrameRenderer::Impl::bindBaseMaterial(int object, PassProgram& current) const {
-  const int material = scene.objects[object].base_material;
-  if (current.base_material == material) return;
-  scene.base_materials.bind(material);
-  current.base_material = material;
-}
-
-bool FrameRenderer::Impl::movesDepth(MaterialId id) const {
-  return settings.parallax_depth && settings.heat == HeatMap::kNone && id && hasRelief(materials.variant(id));
-}
-
-// An object's depth, as the camera or the sun sees it.
-Status FrameRenderer::Impl::useForDepth(int object, PassProgram& current) {
-  const MaterialId id = materialOf(object);
-  if (alphaMode(object) == AlphaMode::kMask) {
-    const Status status = use("scene_base_depth", {}, current);
-    if (status) bindBaseMaterial(object, current);
-    return status;
-  }
-  if (!movesDepth(id)) return use("scene_depth", {}, current);
-  return use(scene.objects[object].curved ? "scene_relief_depth_curved" : "scene_relief_depth", id, current);
-}
-
-Status FrameRenderer::Impl::useForShading(const Drawable& drawable, PassProgram& current) {
-  const int object = drawable.object;
-  const MaterialId id = materialOf(object);
-  if (!id) {
-    const bool follows = current.row == "scene_base";  // else a Loden material may hold the units
-    const Status status = use("scene_base", {}, current);
-    if (status && !follows) image_light.bind();
-    if (status) bindBaseMaterial(object, current);
-    return status;
-  }
-  const bool curved = scene.objects[object].curved && id && hasRelief(materials.variant(id));
-  if (settings.heat != HeatMap::kNone) return use(curved ? "scene_heat_curved" : "scene_heat", id, current);
-  if (movesDepth(id)) return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, current);
-  const MaterialVariant variant = farVariantOf(drawable);
-  return use(curved && hasRelief(variant) ? "scene_forward_curved" : "scene_forward", id, variant, current);
-}
-
 Status FrameRenderer::Impl::drawShadowMap() {
   if (!shadowSun() || shadow_drawn == shadowRelief()) return {};
   const GlDebugGroup group("sun shadow");
@@ -421,8 +315,8 @@ Status FrameRenderer::Impl::drawShadowMap() {
   glPolygonOffset(2.0f, 2.0f);
   PassProgram current;
   for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
-    if (alphaMode(i) == AlphaMode::kBlend) continue;
-    if (Status status = useForDepth(i, current); !status) return status;
+    if (programs.alphaMode(i) == AlphaMode::kBlend) continue;
+    if (Status status = programs.useForDepth(i, current); !status) return status;
     drawObject(i);
     ++stats.depth_draw_calls;
   }
@@ -437,8 +331,8 @@ Status FrameRenderer::Impl::drawDepth() {
   setColorMask(GL_FALSE);
   PassProgram current;
   for (const Drawable& drawable : visible) {
-    if (alphaMode(drawable.object) == AlphaMode::kBlend) continue;
-    if (Status status = useForDepth(drawable.object, current); !status) return status;
+    if (programs.alphaMode(drawable.object) == AlphaMode::kBlend) continue;
+    if (Status status = programs.useForDepth(drawable.object, current); !status) return status;
     drawObject(drawable.object);
     ++stats.depth_draw_calls;
   }
@@ -452,7 +346,7 @@ Status FrameRenderer::Impl::drawShaded() {
   std::vector<Drawable> order = visible;
   const auto key = [&](const Drawable& drawable) {
     const Object& object = scene.objects[drawable.object];
-    const MaterialId id = materialOf(drawable.object);
+    const MaterialId id = programs.materialOf(drawable.object);
     return std::tuple(id.value, object.curved, id ? 0 : object.base_material);
   };
   std::stable_sort(order.begin(), order.end(),
@@ -460,8 +354,9 @@ Status FrameRenderer::Impl::drawShaded() {
   glDepthFunc(GL_LEQUAL);
   PassProgram current;
   for (const Drawable& drawable : order) {
-    if (alphaMode(drawable.object) == AlphaMode::kBlend) continue;
-    if (Status status = useForShading(drawable, current); !status) return status;
+    if (programs.alphaMode(drawable.object) == AlphaMode::kBlend) continue;
+    if (Status status = programs.useForShading(drawable.object, drawable.lambda, current); !status)
+      return status;
     drawObject(drawable.object);
     ++stats.draw_calls;
     stats.triangles += uint64_t(scene.meshes[scene.objects[drawable.object].mesh].index_count) / 3;
@@ -474,7 +369,7 @@ Status FrameRenderer::Impl::drawShaded() {
 Status FrameRenderer::Impl::drawBlended() {
   std::vector<Drawable> order;
   for (const Drawable& drawable : visible)
-    if (alphaMode(drawable.object) == AlphaMode::kBlend)
+    if (programs.alphaMode(drawable.object) == AlphaMode::kBlend)
       order.push_back(
           {drawable.object, glm::distance(view.position, scene.objects[drawable.object].bounds.centre())});
   if (order.empty()) return {};
@@ -485,7 +380,8 @@ Status FrameRenderer::Impl::drawBlended() {
   glDepthMask(GL_FALSE);
   PassProgram current;
   for (const Drawable& drawable : order) {
-    if (Status status = useForShading(drawable, current); !status) return status;
+    if (Status status = programs.useForShading(drawable.object, drawable.lambda, current); !status)
+      return status;
     if (scene.objects[drawable.object].double_sided) drawObject(drawable.object, Faces::kBack);
     drawObject(drawable.object, Faces::kFront);
     ++stats.draw_calls;
@@ -502,7 +398,7 @@ Status FrameRenderer::Impl::drawSky() {
   if (!settings.sky_level || !settings.reflections) return {};
   const GlDebugGroup group("sky");
   PassProgram current;
-  if (Status status = use("scene_sky", {}, current); !status) return status;
+  if (Status status = programs.use("scene_sky", current); !status) return status;
   image_light.bind();
   if (!no_vertices) no_vertices = makeVertexArray("sky");
   glBindVertexArray(no_vertices.name());

@@ -40,7 +40,11 @@ enum class LambdaRule { kFootprint, kDistance };
 
 struct FrameSettings {
   bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
-  bool shadows = true;               // of the scene's sun
+  // What engines have instead, to compare with: height fields by parallax occlusion mapping (16 linear steps,
+  // 5 bisections), their maps at the point that it finds and no shadows in the tile; other materials, and
+  // those without a near term, as glTF's own.
+  bool parallax_occlusion = false;
+  bool shadows = true;  // of the scene's sun
   // Of the environment's brightest sun, where the scene has none of its own.
   bool environment_shadows = false;
   float shadow_width = 1;  // half width of the shadows' borders, texels of the map; above 1 they are soft

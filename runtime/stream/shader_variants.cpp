@@ -37,6 +37,7 @@ bool hasRelief(const MaterialVariant& variant) {
 
 bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (row.relief && !hasRelief(variant)) return false;
+  if (row.march && marchVariant(variant) != variant) return false;
   if (variant.lookup == Lookup::kQuality) return false;  // offline
   if (!variant.shadesMaterial()) return row.none && variant == MaterialVariant{};
   if (!row.material || variant.bands > LODEN_MAX_BANDS) return false;
@@ -93,6 +94,17 @@ MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleto
   left.visibility = Visibility::kNone;
   left.height_field = false;
   return left;
+}
+
+std::optional<MaterialVariant> marchVariant(const MaterialVariant& variant) {
+  if (!variant.near || !variant.height_field) return {};
+  MaterialVariant marched = variant;
+  marched.bound_bands = std::max(variant.bands, variant.bound_bands);
+  marched.bands = 0;
+  marched.visibility = Visibility::kNone;
+  marched.shadow_quads = 0;
+  marched.lookup = Lookup::kFast;  // that is not called
+  return marched;
 }
 
 int unitsOf(const MaterialVariant& variant) {

@@ -41,10 +41,14 @@ struct ProgramRow {
   bool none = false;                  // may be built without a Loden material
   bool material = false;              // for materials, of a near term, bands or both
   bool relief = false;                // only for variants whose lookup finds a depth
+  bool march = false;                 // only for near terms of height fields, in marchVariant's form
 };
 
 inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
 inline constexpr std::string_view kFollowSurface = "LODEN_FOLLOW_SURFACE 1";  // curved meshes, stretched UVs
+
+// Peers of the lookup in height fields, for comparison.
+inline constexpr std::string_view kParallaxOcclusion = "SCENE_PARALLAX_OCCLUSION 1";
 
 inline constexpr std::string_view kHeat = "SCENE_HEAT 1";  // costs in place of looks
 inline constexpr std::string_view kCountFetches = "LODEN_COUNT_FETCHES 1";
@@ -76,6 +80,14 @@ inline constexpr ProgramRow kProgramRows[] = {
      "scene_forward.frag.glsl",
      {kParallaxDepth, kFollowSurface},
      false,
+     true,
+     true},
+    {"scene_forward_march",
+     "scene_forward.vert.glsl",
+     "scene_forward.frag.glsl",
+     {kParallaxOcclusion},
+     false,
+     true,
      true,
      true},
     {"scene_heat", "scene_forward.vert.glsl", "scene_forward.frag.glsl", {kHeat, kCountFetches}, false, true},
@@ -113,6 +125,10 @@ struct LambdaRange {
 // without bands where it alone is open, and without a lookup where nothing is read at p. The same textures
 // and uniform block are bound as for the material's own variant.
 MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range);
+
+// The variant that parallax occlusion mapping draws a material with: its near term without cast shadows and
+// without bands. None: it has no near term, or is no height field. Texture units and uniform block stay.
+std::optional<MaterialVariant> marchVariant(const MaterialVariant& variant);
 
 // Texture units that the material's textures take, from its first on (shaders/loden_shared.h).
 int unitsOf(const MaterialVariant& variant);

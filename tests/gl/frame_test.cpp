@@ -120,6 +120,84 @@ TEST_F(FrameTest, HeatMapsTellNearTermFromMean) {
       << "greener, and less blue";
 }
 
+// Heights in waves, and normals that tell places apart.
+Material waves() {
+  constexpr int kSide = 64;
+  Material material = surfaceMaterial();
+  material.stored_vdim.reset();
+  material.aspect = 1;
+  material.side = kSide;
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < kSide * kSide; ++t) {
+    const glm::dvec2 p((t % kSide + 0.5) / kSide, (t / kSide + 0.5) / kSide);
+    positions.emplace_back(p, -0.1 + 0.1 * std::sin(2 * kPi * p.x) * std::cos(2 * kPi * p.y));
+  }
+  material.geometry = encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  Texture& normal = material.surface->normal;
+  for (int mip = 0; mip < normal.mips; ++mip)
+    for (int y = 0; y < normal.mipHeight(mip); ++y)
+      for (int x = 0; x < normal.mipWidth(mip); ++x) {
+        const glm::dvec2 p((x + 0.5) / normal.mipWidth(mip), (y + 0.5) / normal.mipHeight(mip));
+        const glm::dvec3 n(std::sin(2 * kPi * p.x), std::sin(2 * kPi * p.y), 2);
+        storeTexel(normal, mip, x, y, 0, glm::vec4(glm::normalize(n), 0));
+      }
+  return material;
+}
+
+double distanceOf(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += double(glm::distance(glm::vec3(a[i]), glm::vec3(b[i])));
+  return sum / double(a.size());
+}
+
+TEST_F(FrameTest, ParallaxOcclusionFindsWhatTheLookupFinds) {
+  const Scene scene = planeScene(waves());
+  const View view = viewOf({64, 48});
+  FrameSettings settings;
+  settings.shadows = false;
+  settings.lambda = 0.0f;
+  settings.visibility = Visibility::kNone;
+  ShaderLibrary shaders(*device, {});
+  auto materials = makeMaterials();
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, scene);
+  ASSERT_TRUE(renderer.ok());
+  const auto found = pictureWith(**renderer, *materials, view, settings);
+  settings.parallax_occlusion = true;
+  const auto marched = pictureWith(**renderer, *materials, view, settings);
+  settings.parallax_occlusion = false;
+  settings.base_materials_only = true;
+  const auto base = pictureWith(**renderer, *materials, view, settings);
+  MaterialSystemOptions none;
+  none.lookup = Lookup::kNone;
+  auto flat_materials = *MaterialSystem::create(*device, none);
+  auto flat = FrameRenderer::create(*device, shaders, *flat_materials, scene);
+  ASSERT_TRUE(flat.ok());
+  settings.base_materials_only = false;
+  const double without = distanceOf(pictureWith(**flat, *flat_materials, view, settings), found);
+  EXPECT_GT(without, 0.005) << "parallax shows here at all";
+  EXPECT_LT(distanceOf(marched, found), 0.1 * without);
+  settings.parallax_occlusion = true;
+  EXPECT_EQ(pictureWith(**flat, *flat_materials, view, settings), base)
+      << "without heights that the shader may read: glTF's own material";
+}
+
+TEST_F(FrameTest, ParallaxOcclusionAsksForTheNearTermFarAway) {
+  Material material = nearMaterial();
+  material.aspect = 1;
+  material.geometry = waves().geometry;
+  ShaderLibrary shaders(*device, {});
+  auto materials = makeMaterials();
+  auto renderer = FrameRenderer::create(*device, shaders, *materials, planeScene(material));
+  ASSERT_TRUE(renderer.ok());
+  FrameSettings settings;
+  settings.lambda = material.surface->fade_end + 1;
+  (*renderer)->prepare(viewOf({64, 48}), settings);
+  EXPECT_EQ((*renderer)->stats().demands.at(0).lambda, *settings.lambda);
+  settings.parallax_occlusion = true;
+  (*renderer)->prepare(viewOf({64, 48}), settings);
+  EXPECT_EQ((*renderer)->stats().demands.at(0).lambda, material.surface->fade_begin);
+}
+
 TEST_F(FrameTest, DressesTheSceneAnew) {
   auto materials = makeMaterials();
   ShaderLibrary shaders(*device, {});

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "material/model/directions.h"
 
@@ -49,6 +50,13 @@ constexpr Help kHelp[] = {
 
 const char* nameOr(const std::string& name, const char* otherwise) {
   return name.empty() ? otherwise : name.c_str();
+}
+
+// What is shown of a look, which is another where the look has nothing to show.
+const char* nameOf(Look look, const World& world, const Picture& picture) {
+  if (look == Look::kTruth && !picture.showsTruth()) return "Loden; P: the traced truth's camera";
+  if (look == Look::kParallax && !world.hasHeightField()) return "no height field: glTF's own materials";
+  return kLookNames[size_t(look)];
 }
 
 // The file's stem without the hash that names of cooked assets may end in.
@@ -201,10 +209,11 @@ void Hud::drawLooks(World& world, HudState& state, HudRequests& requests) {
     return;
   }
   int left = static_cast<int>(state.wipe.left), right = static_cast<int>(state.wipe.right);
+  const int looks = static_cast<int>(std::size(kLookNames)) - (world.truth ? 0 : 1);
   ImGui::SetNextItemWidth(190);
-  if (ImGui::Combo("left", &left, kLookNames, 3)) state.wipe.left = static_cast<Look>(left);
+  if (ImGui::Combo("left", &left, kLookNames, looks)) state.wipe.left = static_cast<Look>(left);
   ImGui::SetNextItemWidth(190);
-  if (ImGui::Combo("right", &right, kLookNames, 3)) state.wipe.right = static_cast<Look>(right);
+  if (ImGui::Combo("right", &right, kLookNames, looks)) state.wipe.right = static_cast<Look>(right);
   ImGui::SetNextItemWidth(190);
   ImGui::SliderFloat("border", &state.wipe.border, 0, 1, "");
 }
@@ -255,13 +264,13 @@ void Hud::drawHelp(bool& open) {
 }
 
 // The line between the two looks, and their names at its foot.
-void Hud::drawWipe(const HudState& state) {
+void Hud::drawWipe(const World& world, const HudState& state, const Picture& picture) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float x = state.wipe.border * size.x;
   ImDrawList* list = ImGui::GetForegroundDrawList();
   list->AddLine({x, 0}, {x, size.y}, IM_COL32(255, 255, 255, 200), 1.5f);
-  const char* left = kLookNames[size_t(state.wipe.left)];
-  const char* right = kLookNames[size_t(state.wipe.right)];
+  const char* left = nameOf(state.wipe.left, world, picture);
+  const char* right = nameOf(state.wipe.right, world, picture);
   const float y = size.y - 24;
   list->AddText({x - ImGui::CalcTextSize(left).x - 8, y}, IM_COL32(255, 255, 255, 255), left);
   list->AddText({x + 8, y}, IM_COL32(255, 255, 255, 255), right);
@@ -281,7 +290,7 @@ HudRequests Hud::draw(World& world, HudState& state, const Picture& picture,
   HudRequests requests;
   times_[next_] = static_cast<float>(picture.lastMs());
   next_ = (next_ + 1) % times_.size();
-  if (state.wipe.on) drawWipe(state);
+  if (state.wipe.on) drawWipe(world, state, picture);
   if (state.panel) {
     ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
     ImGui::Begin("Loden", nullptr, ImGuiWindowFlags_AlwaysAutoResize);

@@ -70,7 +70,7 @@ class Hud {
   void drawLooks(World& world, HudState& state, HudRequests& requests);
   void drawBytes(const World& world, HudState& state, HudRequests& requests);
   void drawHelp(bool& open);
-  void drawWipe(const HudState& state);
+  void drawWipe(const World& world, const HudState& state, const Picture& picture);
 
   std::array<float, 120> times_{};  // ms, oldest first from next_
   size_t next_ = 0;

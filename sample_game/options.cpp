@@ -12,11 +12,9 @@
 namespace loden::walk {
 namespace {
 
-const std::map<std::string, Mode> kModes{{"full", Mode::kFull},
-                                         {"fallback", Mode::kFallback},
-                                         {"normal-map", Mode::kNormalMap},
-                                         {"paper", Mode::kPaper},
-                                         {"no-lod", Mode::kNoLod}};
+const std::map<std::string, Mode> kModes{
+    {"full", Mode::kFull},   {"fallback", Mode::kFallback}, {"normal-map", Mode::kNormalMap},
+    {"paper", Mode::kPaper}, {"no-lod", Mode::kNoLod},      {"parallax", Mode::kParallax}};
 const std::map<std::string, runtime::LambdaRule> kLambdaRules{{"footprint", runtime::LambdaRule::kFootprint},
                                                               {"distance", runtime::LambdaRule::kDistance}};
 const std::map<std::string, SurfaceKind> kSurfaces{
@@ -100,6 +98,10 @@ void addInput(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--camera", options.camera,
                  "Camera (JSON: position, target, up, fov_degrees); without one the scene's first, or one "
                  "that sees all of it");
+  app.add_option(
+      "--truth", options.truth,
+      "Picture (PNG) to compare with in the window, ray traced from the same camera in pictures of "
+      "the same proportions, as loden trace does");
   app.add_option("--script", options.script,
                  "Camera path (JSON: keyframes of t, position, target); without one the camera of a headless "
                  "walk stands still");
@@ -140,9 +142,11 @@ void addRuntime(CLI::App& app, Options& options) {
   app.add_option("--upload-kb", options.upload_kb, "Upload per frame, KiB")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
-  app.add_option("--mode", options.mode,
-                 "full: everything; fallback: glTF's own materials; normal-map: surface assets without their "
-                 "VDIM; paper: the published lookup, where stored; no-lod: always lambda 0")
+  app.add_option(
+         "--mode", options.mode,
+         "full: everything; fallback: glTF's own materials; normal-map: surface assets without their "
+         "VDIM; paper: the published lookup, where stored; no-lod: always lambda 0; parallax: height fields "
+         "by parallax occlusion mapping, without shadows in the tile, to compare with")
       ->transform(oneOf(kModes))
       ->type_name("NAME")
       ->default_str("full");
@@ -179,6 +183,9 @@ std::string contradiction(const Options& options) {
     return "--turntable is a path of its own: leave --camera and --script out";
   if (!options.headless && !(options.capture.empty() && options.contact_sheet.empty()))
     return "--capture and --contact-sheet need --headless: a window's pixels depend on what covers it";
+  if (!options.truth.empty() && options.headless) return "--truth is shown in the window alone";
+  if (!options.truth.empty() && !(options.script.empty() && options.turntable == 0))
+    return "--truth needs a camera that stands still";
   if (!options.camera.empty() && !options.script.empty()) return "--camera and --script exclude each other";
   return {};
 }

@@ -17,6 +17,7 @@ enum class Mode {
   kNormalMap,  // surface assets without their VDIM: a normal and a diffuse map
   kPaper,      // the published VDIM lookup, where the asset stores one
   kNoLod,      // always lambda 0
+  kParallax,   // height fields by parallax occlusion mapping, as engines draw them
 };
 
 struct Options {
@@ -32,6 +33,7 @@ struct Options {
   std::optional<glm::dvec2>
       light;  // degrees theta, phi from +z; of the surface. None: (30, 0), or the environment
   std::filesystem::path environment;  // empty: none
+  std::filesystem::path truth;        // picture to compare with, from the first camera; empty: none
   std::string variant;                // of the scene's materials; empty: none
   std::string animation;              // name, number or "none"; empty: the first
   double time = 0;                    // seconds into the animation at the first frame

@@ -28,6 +28,7 @@ FrameSettings settingsFor(const FrameSettings& settings, Look look) {
   FrameSettings result = settings;
   if (look == Look::kFallback) result.base_materials_only = true;
   if (look == Look::kSurface) result.visibility = Visibility::kNone;
+  if (look == Look::kParallax) result.parallax_occlusion = true;
   return result;
 }
 
@@ -59,7 +60,25 @@ std::vector<Picture::Piece> Picture::halves(const Wipe& wipe) const {
   return {{{0, 0}, {border, size.y}, wipe.left}, {{border, 0}, size, wipe.right}};
 }
 
+bool Picture::showsTruth() const {
+  return world_.truth && shown_ && isOf(*world_.truth, camera_, shown_->size);
+}
+
+Status Picture::drawTruth(const Piece& piece) {
+  if (!truth_ || truth_->size != shown_->size) {
+    const auto whole = makePicture(world_.truth->codes, world_.truth->size, "traced truth");
+    if (!whole) return whole.issue();
+    auto made = makeRenderTarget(shown_->size, ColorFormat::kSrgb8, "traced truth as shown");
+    if (!made) return made.issue();
+    truth_ = std::move(*made);
+    copyPicture(*whole, truth_->framebuffer.name(), {0, 0}, truth_->size);
+  }
+  copyRectangle(*truth_, shown_->framebuffer.name(), piece.from, piece.to);
+  return {};
+}
+
 Status Picture::draw(const Piece& piece, int coarse) {
+  if (piece.look == Look::kTruth && showsTruth()) return drawTruth(piece);
   const glm::ivec2 extent = piece.to - piece.from, size = glm::max((extent + coarse - 1) / coarse, 1);
   if (!part_ || part_->size != size) {
     auto made = makeRenderTarget(size, ColorFormat::kSrgb8, "part of the picture");

@@ -11,9 +11,10 @@
 namespace loden::walk {
 
 // What is drawn of the materials: to compare one with another.
-enum class Look { kDefault, kSurface, kFallback };
+enum class Look { kDefault, kSurface, kParallax, kFallback, kTruth };
 inline constexpr const char* kLookNames[] = {"Loden", "Loden without shadows in the tile",
-                                             "glTF's own materials"};
+                                             "parallax occlusion mapping", "glTF's own materials",
+                                             "traced truth"};
 
 // Left of the border one look, right of it the other.
 struct Wipe {
@@ -40,6 +41,8 @@ class Picture {
   // Copies the picture to the window.
   void show() const;
 
+  // Whether the truth is of what the last picture shows; the default look stands in its place otherwise.
+  bool showsTruth() const;
   // Nothing is left to do until something changes.
   bool whole() const { return whole_ && !streaming_; }
   // The picture is refined, so that what is counted is a part of it.
@@ -61,12 +64,14 @@ class Picture {
   std::vector<Piece> halves(const Wipe& wipe) const;
   // Draws a piece with a pixel for each `coarse` x `coarse` of it.
   Status draw(const Piece& piece, int coarse);
+  Status drawTruth(const Piece& piece);
   Status drawCoarse(const Wipe& wipe);
   Status drawNextPieces(const Wipe& wipe);
   void cutIntoPieces(const Wipe& wipe);
 
   World& world_;
   std::optional<runtime::RenderTarget> shown_, part_;
+  std::optional<runtime::RenderTarget> truth_;  // of the shown picture's size
   runtime::View view_;
   runtime::FrameStats stats_;
   std::vector<Piece> left_;  // of the picture that are coarse still, last first

@@ -88,6 +88,7 @@ Player::Player(World& world, const Options& options)
                    [](const SceneMaterial& material) { return material.flat_btf.has_value(); });
   if (dressed != world.scene.materials.end())
     state_.material = static_cast<int>(dressed - world.scene.materials.begin());
+  if (world.truth) state_.wipe = {true, Look::kTruth, Look::kDefault};
   say("H shows what keys and mouse do");
 }
 
@@ -271,7 +272,13 @@ void Player::takeDropped(const std::filesystem::path& file) {
 Status Player::dropScene(const std::filesystem::path& file) {
   auto scene = loadGltfScene(file);
   if (!scene) return scene.issue();
-  if (Status status = world_.replaceScene(std::move(*scene), aspect()); !status) return status;
+  return replaceScene(std::move(*scene));
+}
+
+Status Player::replaceScene(Scene scene) {
+  if (Status status = world_.replaceScene(std::move(scene), aspect()); !status) return status;
+  for (Look* look : {&state_.wipe.left, &state_.wipe.right})
+    if (*look == Look::kTruth) *look = Look::kFallback;  // it was the other scene's
   state_.material = 0;
   state_.period = 0;
   animation_seconds_ = 0;
@@ -286,8 +293,7 @@ Status Player::dropAsset(const std::filesystem::path& file) {
   const auto facts = readTileFacts(file);
   if (!facts) return facts.issue();
   if (world_.scene.materials.empty())
-    return world_.replaceScene(showcaseScene(file, *facts, facts->period > 0 ? facts->period : kUsualPeriod),
-                               aspect());
+    return replaceScene(showcaseScene(file, *facts, facts->period > 0 ? facts->period : kUsualPeriod));
   return wear(assetIndex(world_.scene, std::filesystem::absolute(file)));
 }
 

@@ -37,6 +37,7 @@ class Player {
   void focusAt(const glm::dvec2& at);
   void seeAll();
   void takeDropped(const std::filesystem::path& file);
+  Status replaceScene(runtime::Scene scene);
   Status dropScene(const std::filesystem::path& file);
   Status dropAsset(const std::filesystem::path& file);
   Status dropLight(const std::filesystem::path& file);

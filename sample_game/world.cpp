@@ -195,6 +195,7 @@ FrameSettings frameSettings(const Options& options, const Scene& scene) {
   settings.shell = options.shell;
   if (options.mode == Mode::kNoLod) settings.lambda = 0.0f;
   settings.base_materials_only = options.mode == Mode::kFallback;
+  settings.parallax_occlusion = options.mode == Mode::kParallax;
   settings.tone = ToneCurve::kNeutral;
   settings.samples = 4;
   if (!options.onSurface()) return settings;
@@ -217,6 +218,12 @@ std::optional<Camera> World::animate(double seconds, double first) {
   return cameraFromScene(cameraAt(scene.cameras[size_t(scene_camera)], now));
 }
 
+bool World::hasHeightField() const {
+  const std::vector<MaterialId> ids = renderer->assets();
+  return std::any_of(ids.begin(), ids.end(),
+                     [&](MaterialId id) { return marchVariant(materials->variant(id)).has_value(); });
+}
+
 ScenePose World::pose() const {
   return poseAt(scene, animation < 0 ? nullptr : &scene.animations[size_t(animation)], animated_to);
 }
@@ -230,6 +237,7 @@ Status World::replaceScene(Scene next, double aspect) {
   animation = scene.animations.empty() ? -1 : 0;
   animated_to = 0;
   scene_camera = -1;
+  truth.reset();
   path = standingAt(framed(boundsOfAll(scene), aspect));
   return {};
 }
@@ -253,6 +261,12 @@ Result<World> makeWorld(const Options& options) {
       options.script.empty() && options.camera.empty() && options.turntable == 0 && !scene->cameras.empty();
   Result<CameraPath> path = makePath(options, *scene);
   if (!path) return path.issue();
+  std::optional<Truth> truth;
+  if (!options.truth.empty()) {
+    Result<Truth> read = readTruth(options.truth, path->at(0), options.size);
+    if (!read) return read.issue();
+    truth = std::move(*read);
+  }
 
   auto device = Device::create(deviceOptions(options));
   if (!device) {
@@ -266,10 +280,23 @@ Result<World> makeWorld(const Options& options) {
   auto renderer = FrameRenderer::create(**device, *shaders, **materials, *scene);
   if (!renderer) return renderer.issue();
   for (SceneImage& image : scene->images) image.pixels = {};
-  return World{std::move(device).value(),   std::move(shaders),   std::move(materials).value(),
-               std::move(renderer).value(), std::move(settings),  std::move(path.value()),
-               std::move(scene.value()),    std::move(*lighting), *animation,
-               own_camera ? 0 : -1};
+  World world{std::move(device).value(),
+              std::move(shaders),
+              std::move(materials).value(),
+              std::move(renderer).value(),
+              std::move(settings),
+              std::move(path.value()),
+              std::move(scene.value()),
+              std::move(*lighting),
+              *animation,
+              own_camera ? 0 : -1,
+              0,
+              std::move(truth)};
+  if (options.mode == Mode::kParallax && !world.hasHeightField())
+    return Issue{issue_id::kOption, Severity::kError,
+                 (options.scene.empty() ? options.asset : options.scene).string(),
+                 "has no material of a height field with a near term, as --mode parallax needs"};
+  return world;
 }
 
 }  // namespace loden::walk

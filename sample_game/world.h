@@ -12,6 +12,7 @@
 #include "runtime/shader/shader_library.h"
 #include "sample_game/lighting.h"
 #include "sample_game/options.h"
+#include "sample_game/truth.h"
 
 namespace loden::walk {
 
@@ -27,10 +28,13 @@ struct World {
   int animation = -1;      // of the scene; -1: nothing moves
   int scene_camera = -1;   // of the scene, that the picture is seen through; -1: the path's
   double animated_to = 0;  // seconds into the animation
+  std::optional<Truth> truth;
 
   // Moves the scene to `seconds` since its first frame, the animation starting over at its end. The camera
   // that the picture is then seen through, if it is the scene's.
   std::optional<Camera> animate(double seconds, double first);
+  // Whether parallax occlusion mapping has something to draw.
+  bool hasHeightField() const;
   // The pose that was drawn last.
   runtime::ScenePose pose() const;
   // Walks through another scene from now on, with a camera that sees all of it; where that cannot be, the old

@@ -44,6 +44,22 @@ Result<RenderTarget> makeRenderTarget(glm::ivec2 size, ColorFormat format, std::
   return target;
 }
 
+Result<RenderTarget> makePicture(std::span<const glm::u8vec4> codes, glm::ivec2 size,
+                                 std::string_view label) {
+  LODEN_CHECK_EQ(codes.size(), size_t(size.x) * size_t(size.y));
+  Result<RenderTarget> target = makeRenderTarget(size, ColorFormat::kSrgb8, label);
+  if (!target) return target;
+  const GlPixelStateScope scope;
+  const size_t width = size_t(size.x), height = size_t(size.y);
+  std::vector<glm::u8vec4> bottom_up(codes.size());
+  for (size_t y = 0; y < height; ++y)
+    std::copy_n(codes.begin() + ptrdiff_t((height - 1 - y) * width), width,
+                bottom_up.begin() + ptrdiff_t(y * width));
+  glTextureSubImage2D(target->color.name(), 0, 0, 0, size.x, size.y, GL_RGBA, GL_UNSIGNED_BYTE,
+                      bottom_up.data());
+  return target;
+}
+
 std::vector<glm::vec4> readLinear(const RenderTarget& target) {
   const GlPixelStateScope scope;
   std::vector<glm::vec4> pixels(size_t(target.size.x) * size_t(target.size.y));
@@ -69,15 +85,30 @@ std::vector<glm::u8vec4> readCodes(const RenderTarget& target) {
   return top_down;
 }
 
-void copyPicture(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to) {
-  const bool same = picture.size == to - from;
+namespace {
+
+// [part_from, part_to) of the picture into [from, to).
+void copy(const RenderTarget& picture, glm::ivec2 part_from, glm::ivec2 part_to, uint32_t framebuffer,
+          glm::ivec2 from, glm::ivec2 to) {
+  const bool same = part_to - part_from == to - from;
   const GLboolean converts = glIsEnabled(GL_FRAMEBUFFER_SRGB), clipped = glIsEnabledi(GL_SCISSOR_TEST, 0);
   glDisable(GL_FRAMEBUFFER_SRGB);  // codes stay as they are
   glDisablei(GL_SCISSOR_TEST, 0);
-  glBlitNamedFramebuffer(picture.framebuffer.name(), framebuffer, 0, 0, picture.size.x, picture.size.y,
-                         from.x, from.y, to.x, to.y, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+  glBlitNamedFramebuffer(picture.framebuffer.name(), framebuffer, part_from.x, part_from.y, part_to.x,
+                         part_to.y, from.x, from.y, to.x, to.y, GL_COLOR_BUFFER_BIT,
+                         same ? GL_NEAREST : GL_LINEAR);
   if (converts) glEnable(GL_FRAMEBUFFER_SRGB);
   if (clipped) glEnablei(GL_SCISSOR_TEST, 0);
+}
+
+}  // namespace
+
+void copyPicture(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to) {
+  copy(picture, {0, 0}, picture.size, framebuffer, from, to);
+}
+
+void copyRectangle(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to) {
+  copy(picture, from, to, framebuffer, from, to);
 }
 
 }  // namespace loden::runtime

@@ -12,6 +12,8 @@
 #include <thread>
 
 #include "runtime/scene/image_decode.h"
+#include "runtime/scene/image_write.h"
+#include "tests/cli/drop_files.h"
 #include "tests/cli/loden_fixture.h"
 
 namespace loden::test {
@@ -96,6 +98,13 @@ class WalkWindow : public ::testing::Test {
     EXPECT_EQ(std::system(command.c_str()), 0) << what;
   }
 
+  // Files of the scratch folder onto the window.
+  void drop(const std::vector<std::string>& names) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& name : names) files.push_back(scratch_ / name);
+    EXPECT_EQ(dropFiles(std::getenv("DISPLAY"), files, 60s), "") << names.front();
+  }
+
   // What the window shows, once it is whole.
   std::vector<glm::u8vec4> picture() {
     std::vector<glm::u8vec4> before, now = savedPicture();
@@ -169,6 +178,101 @@ TEST_F(WalkWindow, KeysAndMouseDoWhatTheHelpSays) {
   EXPECT_EQ(report["schema"], "loden/walk/1");
   EXPECT_GT(report["frames"].size(), 20u);
   EXPECT_NEAR(report["camera"]["up"][1].get<double>(), 1, 1e-9);
+}
+
+// A panorama of one colour in Radiance's format, without run lengths.
+void writeHdr(const std::filesystem::path& file, unsigned char red, unsigned char green, unsigned char blue) {
+  std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n";
+  for (int i = 0; i < 32; ++i)
+    for (const unsigned char c : {red, green, blue, static_cast<unsigned char>(128)}) text += char(c);
+  writeText(file, text);
+}
+
+// The scene of `folder` as one file.
+void writeGlb(const std::filesystem::path& folder, const std::string& name) {
+  Json json = Json::parse(fileText(folder / "scene.gltf"));
+  json["buffers"][0].erase("uri");
+  std::string text = json.dump(), bin = fileText(folder / "scene.bin");
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  bin.resize((bin.size() + 3) / 4 * 4, 0);
+  std::string file = "glTF";
+  const auto add = [&file](uint32_t value) {
+    for (int k = 0; k < 4; ++k) file += static_cast<char>(value >> 8 * k);
+  };
+  add(2), add(static_cast<uint32_t>(12 + 8 + text.size() + 8 + bin.size()));
+  add(static_cast<uint32_t>(text.size())), file += "JSON" + text;
+  add(static_cast<uint32_t>(bin.size())), file += std::string("BIN\0", 4) + bin;
+  writeText(folder / name, file);
+}
+
+TEST_F(WalkWindow, DroppedFilesAreTaken) {
+  writeScene(scratch_.path());
+  std::filesystem::rename(scratch_ / "scene.gltf", scratch_ / "a scene of 100 %.gltf");
+  std::filesystem::copy_file(sharedAsset(), scratch_ / "cloth.loden");
+  writeHdr(scratch_ / "red.hdr", 200, 20, 20);
+  writeText(scratch_ / "notes.txt", "no file of ours");
+  writeText(scratch_ / "damaged.gltf", "{");
+  writeText(scratch_ / "damaged.loden", "LODEN");
+  writeText(scratch_ / "damaged.hdr", "#?RADIANCE");
+  start({sharedAsset(), "--size", "320x240", "--period", "30cm"});
+  const auto first = picture();
+  drop({"red.hdr"});
+  const auto red = picture();
+  EXPECT_GT(difference(first, red), 5) << "light";
+  drop({"a scene of 100 %.gltf"});
+  const auto triangle = picture();
+  EXPECT_GT(difference(red, triangle), 5) << "a scene, whose name needs escapes in a URI";
+  drop({"cloth.loden"});
+  const auto dressed = picture();
+  EXPECT_GT(difference(triangle, dressed), 1) << "onto the chosen material";
+  drop({"notes.txt", "damaged.gltf", "damaged.loden", "damaged.hdr"});
+  EXPECT_EQ(difference(dressed, picture()), 0) << "what cannot be taken changes nothing";
+  act("key b");
+  EXPECT_EQ(difference(triangle, picture()), 0) << "the dress was all that was new";
+  act("key b");
+  std::filesystem::rename(scratch_ / "a scene of 100 %.gltf", scratch_ / "scene.gltf");
+  writeGlb(scratch_.path(), "scene.glb");
+  std::filesystem::remove(scratch_ / "scene.gltf");
+  std::filesystem::remove(scratch_ / "scene.bin");
+  drop({"scene.glb"});
+  EXPECT_EQ(difference(triangle, picture()), 0) << "the same scene, in its own materials again";
+  drop({"scene.glb", "cloth.loden"});
+  EXPECT_EQ(difference(dressed, picture()), 0) << "two files at once, one after the other";
+  act("key Escape");
+  EXPECT_EQ(walk_->wait(60s), 0);
+}
+
+// The truth here is a picture of stripes, which nothing else shows.
+TEST_F(WalkWindow, TracedTruthIsShownFromItsOwnCameraAlone) {
+  std::vector<glm::u8vec4> stripes;
+  for (int i = 0; i < 320 * 240; ++i) stripes.emplace_back(i % 320, i / 320, i % 2 * 255, 255);
+  ASSERT_TRUE(runtime::writePng(scratch_ / "truth.png", stripes, {320, 240}).ok());
+  start({"--asset", sharedAsset(), "--size", "320x240", "--truth", (scratch_ / "truth.png").string()});
+  const auto agreement = [&](const std::vector<glm::u8vec4>& shown, int from, int to) {
+    int same = 0;
+    for (int i = 0; i < 320 * 240; ++i)
+      same += i % 320 >= from && i % 320 < to && shown[size_t(i)] == stripes[size_t(i)];
+    return double(same) / (240 * (to - from));
+  };
+  const auto first = picture();
+  ASSERT_EQ(first.size(), stripes.size());
+  EXPECT_EQ(agreement(first, 0, 160), 1) << "left the truth, pixel by pixel";
+  EXPECT_LT(agreement(first, 160, 320), 0.01) << "right what the asset looks like";
+  act("click 4");  // wheel
+  const auto nearer = picture();
+  EXPECT_LT(agreement(nearer, 0, 160), 0.01) << "of another camera there is no truth";
+  act("key p");
+  EXPECT_EQ(difference(first, picture()), 0);
+  act("key Escape");
+  EXPECT_EQ(walk_->wait(60s), 0);
+}
+
+TEST_F(WalkWindow, ATruthOfOtherProportionsIsRefused) {
+  ASSERT_TRUE(runtime::writePng(scratch_ / "truth.png", std::vector<glm::u8vec4>(16 * 16), {16, 16}).ok());
+  const ToolRun run = runTool(LODEN_WALK, {"--asset", sharedAsset(), "--truth", scratch_ / "truth.png"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("16 x 16"), std::string::npos) << run.err;
+  EXPECT_EQ(runTool(LODEN_WALK, {"--asset", sharedAsset(), "--truth", "none.png"}).exit_code, 2);
 }
 
 TEST_F(WalkWindow, ATapOfEscapeIsNeverLost) {

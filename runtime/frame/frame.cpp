@@ -291,9 +291,10 @@ void FrameRenderer::Impl::drawObject(int index, Faces faces) const {
 }
 
 ShadowRelief FrameRenderer::Impl::shadowRelief() const {
-  const glm::vec3 direction = shadowSun().value_or(glm::vec3(0));
-  if (!settings.parallax_depth || settings.base_materials_only) return {direction};
-  return {direction, true, settings.shell, materials.reliefRevision(), settings.lambda};
+  ShadowRelief relief;
+  relief.direction = shadowSun().value_or(glm::vec3(0));
+  if (!settings.parallax_depth || settings.parallax_occlusion || settings.base_materials_only) return relief;
+  return {relief.direction, true, settings.shell, materials.reliefRevision(), settings.lambda};
 }
 
 // The way that the light travels that throws the shadows; none: nothing throws any.

@@ -8,17 +8,25 @@
 
 namespace loden::runtime {
 
+// Room in every list for what may stand in it.
+void Residency::reserveFor(size_t more_parts) {
+  const size_t slots = materials_.size() + 1, parts = parts_ + more_parts;
+  if (materials_.capacity() < slots) materials_.reserve(2 * slots);
+  const auto reserve = [](auto& list, size_t count) {
+    if (list.capacity() < count) list.reserve(2 * count);
+  };
+  reserve(free_slots_, slots);
+  reserve(active_, slots);
+  reserve(candidates_, parts);
+  reserve(victims_, parts);
+  reserve(actions_.evict, parts);
+  reserve(actions_.load, static_cast<size_t>(std::max(options_.max_loading, 0)));
+}
+
 uint32_t Residency::add(std::vector<PartDesc> parts) {
-  uint32_t slot = static_cast<uint32_t>(materials_.size());
-  if (free_slots_.empty()) {
-    materials_.emplace_back();
-  } else {
-    slot = free_slots_.back();
-    free_slots_.pop_back();
-  }
-  Material& material = materials_[slot];
-  material = {};
+  Material material;
   material.alive = true;
+  material.parts.reserve(parts.size());
   uint64_t bytes = 0;
   for (const PartDesc& desc : parts) {
     LODEN_CHECK(!desc.refines || !material.parts.empty());
@@ -28,6 +36,16 @@ uint32_t Residency::add(std::vector<PartDesc> parts) {
     material.published = std::max(material.published, desc.lambda_end);
     material.parts.push_back({desc});
   }
+  reserveFor(parts.size());
+  uint32_t slot = static_cast<uint32_t>(materials_.size());
+  if (free_slots_.empty()) {
+    materials_.emplace_back();
+  } else {
+    slot = free_slots_.back();
+    free_slots_.pop_back();
+  }
+  parts_ += parts.size();
+  materials_[slot] = std::move(material);
   activate(slot);
   return slot;
 }
@@ -35,9 +53,11 @@ uint32_t Residency::add(std::vector<PartDesc> parts) {
 void Residency::remove(uint32_t slot) {
   LODEN_CHECK(materials_[slot].alive);
   activate(slot);
+  actions_.evict.clear();
   evict({slot, 0});
   actions_.evict.clear();
   std::erase(active_, slot);
+  parts_ -= materials_[slot].parts.size();
   materials_[slot] = {};
   free_slots_.push_back(slot);
   activate_all_ = true;
@@ -93,6 +113,7 @@ void Residency::failed(PartRef ref) {
 }
 
 void Residency::dropAll() {
+  actions_.evict.clear();
   for (uint32_t slot = 0; slot < materials_.size(); ++slot) {
     if (!materials_[slot].alive) continue;
     activate(slot);

@@ -48,7 +48,8 @@ class Residency {
  public:
   explicit Residency(const ResidencyOptions& options) : options_(options) {}
 
-  // Slots are reused after remove().
+  // Slots are reused after remove(). The one call that allocates, for all that follow: where it throws,
+  // nothing has changed.
   uint32_t add(std::vector<PartDesc> parts);
   // Forgets the material; its bytes are free at once.
   void remove(uint32_t slot);
@@ -119,6 +120,7 @@ class Residency {
   };
 
   Part& at(PartRef ref) { return materials_[ref.slot].parts[ref.part]; }
+  void reserveFor(size_t more_parts);
   static float tooCoarseWithout(const Part& part, const Material& material);
   bool followsTargets(PartRef ref) const;
   void activate(uint32_t slot);
@@ -142,6 +144,7 @@ class Residency {
 
   ResidencyOptions options_;
   std::vector<Material> materials_;
+  size_t parts_ = 0;  // of all materials
   std::vector<uint32_t> free_slots_;
   std::vector<uint32_t> active_;
   bool activate_all_ = false;

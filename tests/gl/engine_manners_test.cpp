@@ -1,6 +1,9 @@
 // What the material system owes the engine that it lives in: state, units, names, labels, lost contexts.
 #include <epoxy/gl.h>
 
+#include <chrono>
+#include <thread>
+
 #include "material/base/issues.h"
 #include "shaders/loden_shared.h"
 #include "tests/gl/gl_fixture.h"
@@ -145,6 +148,51 @@ TEST_F(EngineManners, SurvivesTwentyLostContexts) {
     ASSERT_TRUE(device->recreate().ok());
     ASSERT_TRUE(system->contextRestored().ok());
   }
+}
+
+// A loss behind each of the first frames, with a few rows of texels a frame, so that parts are asked for,
+// read, half uploaded and resident; and calls from there until there is a new context, while none is current.
+TEST_F(EngineManners, SurvivesALossAtEveryFrameOfLoading) {
+  MaterialSystemOptions slow;
+  slow.upload_bytes_per_frame = 512;
+  auto system = makeMaterials(slow);
+  std::vector<MaterialId> ids;
+  for (const Material& material : {surfaceMaterial(), lodMaterial(), nearMaterial()})
+    ids.push_back(load(*system, material));
+  const auto demandAll = [&] {
+    for (MaterialId id : ids) system->demand(id, 0);
+  };
+  std::vector<std::vector<glm::vec4>> reference;
+  int in_flight = 0;
+  for (int frames = 0; frames < 24; ++frames) {
+    for (int frame = 0; frame < frames; ++frame) {
+      demandAll();
+      system->update(0.02f);
+      if (frame % 3 == 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    in_flight += system->stats().parts_in_flight > 0;
+    const MaterialId passing = load(*system, fusedMaterial());
+    system->contextLost();
+    device->releaseCurrent();
+    demandAll();
+    system->update(0.02f);
+    system->finishLoading();
+    const auto refused = system->load(assetSource(fusedMaterial()), "in between");
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.issue().id, issue_id::kGlContext);
+    system->unload(passing);
+    ASSERT_TRUE(device->recreate().ok());
+    ASSERT_TRUE(system->contextRestored().ok());
+    if (frames % 6 != 5) continue;
+    demandAll();
+    system->finishLoading();
+    std::vector<std::vector<glm::vec4>> pictures;
+    for (MaterialId id : ids) pictures.push_back(drawMaterial(*system, id, 0));
+    if (reference.empty()) reference = pictures;
+    EXPECT_TRUE(pictures == reference) << "after a loss behind frame " << frames;
+  }
+  EXPECT_GT(in_flight, 5);
+  EXPECT_EQ(system->stats().failed_parts, 0u);
 }
 
 TEST_F(EngineManners, WorkOnTwoDevicesAtOnce) {

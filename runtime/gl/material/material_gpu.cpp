@@ -163,6 +163,7 @@ void MaterialGpu::contextLost() {
 
 void MaterialGpu::setPart(size_t part, std::vector<GlTexture> textures, const LoadedPart& loaded) {
   PartTextures& slot = parts_[part];
+  slot.units.reserve(loaded.textures.size());  // before anything changes
   slot.textures = std::move(textures);
   slot.units.clear();
   for (const PartTexture& texture : loaded.textures) {

@@ -8,6 +8,7 @@
 
 #include "material/base/check.h"
 #include "material/base/issues.h"
+#include "material/base/memory_issue.h"
 #include "material/system/asset_io.h"
 #include "runtime/gl/gl_state.h"
 #include "runtime/gl/material/gl_texture.h"
@@ -132,7 +133,9 @@ struct MaterialSystem::Impl {
   enum class Pumped { kUnderWay, kComplete, kNoMemory };
   Pumped pumpJob(UploadJob& job, int64_t& budget);
   bool allocateNext(UploadJob& job);
-  void fail(PartRef ref, Issue issue);
+  void fail(PartRef ref, const Issue& issue) noexcept;
+  void failForMemory(PartRef ref) noexcept;
+  Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   void finishJob(UploadJob& job);
   void evict(PartRef ref);
   void request(PartRef ref);
@@ -156,6 +159,7 @@ struct MaterialSystem::Impl {
   std::deque<UploadJob> uploads;
   std::vector<Demand> demands, last_demands;
   uint64_t next_serial = 1;
+  bool lost = false;  // the context
   uint64_t relief_revision = 0;
   MaterialStats stats;
   std::atomic<uint64_t> read_bytes{0};
@@ -165,56 +169,71 @@ struct MaterialSystem::Impl {
 Result<std::unique_ptr<MaterialSystem>> MaterialSystem::create(const Device& device,
                                                                const MaterialSystemOptions& options) {
   if (Status status = checkOptions(options); !status) return status.issue();
-  auto impl = std::make_unique<Impl>(device, options);
-  const GlPixelStateScope scope;
-  impl->shared.create();
-  return std::unique_ptr<MaterialSystem>(new MaterialSystem(std::move(impl)));
+  return withMemoryIssue("material system", "its lists", [&]() -> Result<std::unique_ptr<MaterialSystem>> {
+    auto impl = std::make_unique<Impl>(device, options);
+    const GlPixelStateScope scope;
+    impl->shared.create();
+    return std::unique_ptr<MaterialSystem>(new MaterialSystem(std::move(impl)));
+  });
 }
 
 MaterialSystem::MaterialSystem(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MaterialSystem::~MaterialSystem() = default;
 
 Result<MaterialId> MaterialSystem::load(const std::filesystem::path& path) {
-  Result<std::unique_ptr<ByteSource>> source = openFileSource(path);
-  if (!source) return source.issue();
-  return load(std::shared_ptr<const ByteSource>(std::move(*source)), path.string());
+  return withMemoryIssue("material system", "a file's name", [&]() -> Result<MaterialId> {
+    Result<std::unique_ptr<ByteSource>> source = openFileSource(path);
+    if (!source) return source.issue();
+    return load(std::shared_ptr<const ByteSource>(std::move(*source)), path.string());
+  });
 }
 
 Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source, const std::string& name) {
-  Impl& impl = *impl_;
-  auto counted = std::make_shared<CountingSource>(std::move(source), impl.read_bytes);
+  return withMemoryIssue(name, "this material", [&] { return impl_->load(std::move(source), name); });
+}
+
+// Nothing changes but at its end, from where on nothing is allocated.
+Result<MaterialId> MaterialSystem::Impl::load(std::shared_ptr<const ByteSource> source,
+                                              const std::string& name) {
+  if (lost)
+    return Issue{issue_id::kGlContext, Severity::kError, name,
+                 "the context is lost: load materials after contextRestored()"};
+  auto counted = std::make_shared<CountingSource>(std::move(source), read_bytes);
   Result<AssetFile> opened = AssetFile::open(std::move(counted), name);
   if (!opened) return opened.issue();
   const auto file = std::make_shared<const AssetFile>(std::move(*opened));
-  Result<MaterialVariant> variant =
-      materialVariant(file->skeleton(), impl.options.lookup, impl.options.visibility);
+  Result<MaterialVariant> variant = materialVariant(file->skeleton(), options.lookup, options.visibility);
   if (!variant) return variant.issue();
-  if (Status status = placeUnits(*variant, impl.options, impl.device->capabilities(), name); !status)
+  if (Status status = placeUnits(*variant, options, device->capabilities(), name); !status)
     return status.issue();
   std::vector<PartPlan> plan =
-      planParts(file->skeleton(), *variant, impl.options.atlas_size.value_or(file->skeleton().atlas));
-  if (Status status = checkExtents(file->skeleton(), plan, impl.device->capabilities()); !status)
+      planParts(file->skeleton(), *variant, options.atlas_size.value_or(file->skeleton().atlas));
+  if (Status status = checkExtents(file->skeleton(), plan, device->capabilities()); !status)
     return status.issue();
   std::vector<PartDesc> descs;
   for (const PartPlan& part : plan) descs.push_back(part.desc);
-  const uint32_t index = impl.residency.add(std::move(descs));
-  LODEN_CHECK_LT(index, kMaxMaterials);
-  if (index >= impl.slots.size()) impl.slots.resize(index + 1);
-
-  Slot& slot = impl.slots[index];
-  slot.alive = true;
-  slot.name = name;
-  slot.file = file;
-  slot.variant = *variant;
-  slot.plan = std::move(plan);
-  slot.serials.assign(slot.plan.size(), 0);
-  slot.kept.resize(slot.plan.size());
-  slot.gpu = MaterialGpu(file->skeleton(), *variant, name, slot.plan.size());
+  Slot made;
+  made.alive = true;
+  made.name = name;
+  made.file = file;
+  made.variant = *variant;
+  made.serials.assign(plan.size(), 0);
+  made.kept.resize(plan.size());
+  made.gpu = MaterialGpu(file->skeleton(), *variant, name, plan.size());
+  made.plan = std::move(plan);
   const GlPixelStateScope scope;
-  slot.gpu.create(impl.shared);
-  impl.publish(index);
-  for (const PartPlan& part : slot.plan) impl.stats.total_bytes += part.desc.bytes;
-  ++impl.stats.materials;
+  made.gpu.create(shared);
+  if (slots.size() == slots.capacity()) slots.reserve(2 * slots.size() + 1);
+
+  const uint32_t index = residency.add(std::move(descs));
+  LODEN_CHECK_LT(index, kMaxMaterials);
+  if (index >= slots.size()) slots.resize(index + 1);
+  Slot& slot = slots[index];
+  made.generation = slot.generation;
+  slot = std::move(made);
+  publish(index);
+  for (const PartPlan& part : slot.plan) stats.total_bytes += part.desc.bytes;
+  ++stats.materials;
   return MaterialId{(slot.generation & 0xfffu) << kIndexBits | (index + 1)};
 }
 
@@ -249,6 +268,7 @@ const MaterialStats& MaterialSystem::stats() const {
   return impl_->stats;
 }
 void MaterialSystem::bind(MaterialId id) {
+  LODEN_CHECK(!impl_->lost);
   impl_->slotOf(id).gpu.bind();
 }
 
@@ -271,24 +291,27 @@ std::vector<PartStats> MaterialSystem::parts(MaterialId id) const {
 
 void MaterialSystem::demand(MaterialId id, float lambda) {
   const uint32_t index = impl_->indexOf(id);
-  impl_->residency.demand(index, lambda);
   impl_->demands.push_back({index, lambda});
+  impl_->residency.demand(index, lambda);
 }
 
 void MaterialSystem::update(float seconds) {
   Impl& impl = *impl_;
   impl.takeDeliveries();
+  if (impl.lost) return impl.demands.clear();
   impl.pumpUploads();
   const Residency::Actions& actions = impl.residency.advance(seconds);
   for (PartRef ref : actions.evict) impl.evict(ref);
   for (PartRef ref : actions.load) impl.request(ref);
   impl.publishActive();
   impl.countFrame();
-  impl.last_demands = std::exchange(impl.demands, {});
+  impl.last_demands.swap(impl.demands);
+  impl.demands.clear();
 }
 
 void MaterialSystem::finishLoading() {
   Impl& impl = *impl_;
+  if (impl.lost) return;
   const std::vector<Demand> wanted = impl.demands.empty() ? impl.last_demands : impl.demands;
   do {
     if (impl.uploads.empty()) impl.loader.wait();
@@ -305,6 +328,7 @@ void MaterialSystem::finishLoading() {
 
 void MaterialSystem::contextLost() {
   Impl& impl = *impl_;
+  impl.lost = true;
   for (UploadJob& job : impl.uploads)
     for (GlTexture& texture : job.textures) texture.release();
   impl.uploads.clear();
@@ -319,34 +343,50 @@ void MaterialSystem::contextLost() {
 
 Status MaterialSystem::contextRestored() {
   Impl& impl = *impl_;
-  const GlPixelStateScope scope;
-  impl.shared.create();
-  for (uint32_t index = 0; index < impl.slots.size(); ++index) {
-    if (!impl.slots[index].alive) continue;
-    impl.slots[index].gpu.create(impl.shared);
-    impl.publish(index);
-  }
-  return {};
+  return withMemoryIssue("material system", "the materials in a new context", [&]() -> Status {
+    const GlPixelStateScope scope;
+    impl.shared.create();
+    for (uint32_t index = 0; index < impl.slots.size(); ++index) {
+      if (!impl.slots[index].alive) continue;
+      impl.slots[index].gpu.create(impl.shared);
+      impl.publish(index);
+    }
+    impl.lost = false;
+    return {};
+  });
 }
 
 void MaterialSystem::Impl::takeDeliveries() {
   for (LoadingThreads::Delivery& delivery : loader.take()) {
     if (!current(delivery.ticket)) continue;
-    if (delivery.part) {
-      uploads.push_back({delivery.ticket, std::move(*delivery.part), {}, {}});
+    if (!delivery.part) {
+      fail(delivery.ticket.ref, delivery.part.issue());
       continue;
     }
-    fail(delivery.ticket.ref, delivery.part.issue());
+    try {
+      uploads.emplace_back();
+    } catch (const std::bad_alloc&) {
+      failForMemory(delivery.ticket.ref);
+      continue;
+    }
+    uploads.back().ticket = delivery.ticket;
+    uploads.back().part = std::move(*delivery.part);
   }
 }
 
-void MaterialSystem::Impl::fail(PartRef ref, Issue issue) {
-  issue.severity = Severity::kWarning;
-  issue.text += "; a coarser level is shown instead";
-  device->log(issue);
+void MaterialSystem::Impl::fail(PartRef ref, const Issue& issue) noexcept {
   ++stats.failed_parts;
   if (issue.id == issue_id::kMemory) ++stats.failed_memory;
   residency.failed(ref);
+  try {
+    device->log(
+        {issue.id, Severity::kWarning, issue.where, issue.text + "; a coarser level is shown instead"});
+  } catch (...) {  // the counts say it
+  }
+}
+
+void MaterialSystem::Impl::failForMemory(PartRef ref) noexcept {
+  fail(ref, memoryIssue(slots[ref.slot].name, "a part of this material"));
 }
 
 void MaterialSystem::Impl::pumpUploads() {
@@ -357,13 +397,17 @@ void MaterialSystem::Impl::pumpUploads() {
   if (!uploads.empty()) scope.emplace();
   while (!uploads.empty()) {
     UploadJob& job = uploads.front();
-    const Pumped pumped = pumpJob(job, budget);
-    if (pumped == Pumped::kUnderWay) break;
-    if (pumped == Pumped::kComplete)
-      finishJob(job);
-    else
-      fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name,
-                            "the driver has no memory for a texture"});
+    try {
+      const Pumped pumped = pumpJob(job, budget);
+      if (pumped == Pumped::kUnderWay) break;
+      if (pumped == Pumped::kComplete)
+        finishJob(job);
+      else
+        fail(job.ticket.ref, {issue_id::kMemory, Severity::kWarning, slots[job.ticket.ref.slot].name,
+                              "the driver has no memory for a texture"});
+    } catch (const std::bad_alloc&) {
+      failForMemory(job.ticket.ref);
+    }
     uploads.pop_front();
   }
   stats.uploaded_last_frame = uint64_t(bound - budget);
@@ -416,7 +460,11 @@ void MaterialSystem::Impl::request(PartRef ref) {
   for (uint32_t part = 0; part < ref.part; ++part)
     if (slot.plan[part].kind == beginsWith(plan.kind) && slot.plan[part].band == plan.band)
       kept = std::exchange(slot.kept[part], {});
-  loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(kept), options.atlas_threads});
+  try {
+    loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(kept), options.atlas_threads});
+  } catch (const std::bad_alloc&) {
+    failForMemory(ref);
+  }
 }
 
 ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {

@@ -77,7 +77,7 @@ class MaterialSystem {
 
   // Reads the header only, on this thread, and makes the material's small GL objects; parts follow on demand,
   // read from the loading threads. Issues of AssetFile::open; kLimit if the shaders or the driver take no
-  // material of this size.
+  // material of this size; kMemory, as of all calls that return an issue. Others are as they were then.
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   Result<MaterialId> load(const std::filesystem::path& path);
   void unload(MaterialId id);
@@ -89,13 +89,14 @@ class MaterialSystem {
   // Description without texel data.
   const Material& material(MaterialId id) const;
 
-  // Some visible surface asks for this material at `lambda` or coarser this frame; the smallest counts.
+  // Some visible surface asks for this material at `lambda` or coarser this frame; the smallest counts. May
+  // throw std::bad_alloc, and nothing is asked for then.
   void demand(MaterialId id, float lambda);
   // Once per frame: takes what the loading thread delivered, uploads within the bound, evicts, fades in, asks
-  // for more. Never waits. Seconds since the last call.
+  // for more. Never waits. Seconds since the last call. A part that finds no memory is a failed part.
   void update(float seconds);
   // Updates until every demanded part is resident, or cannot be, and shows it without a fade; for captures
-  // and tests.
+  // and tests. May throw std::bad_alloc, and goes on with the next call.
   void finishLoading();
 
   // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and
@@ -110,6 +111,8 @@ class MaterialSystem {
   uint64_t reliefRevision() const;
 
   // After the context is gone: forget every name; after the new one is current: everything streams in again.
+  // In between no call touches GL: load() refuses (kGlContext), update() and finishLoading() do nothing, and
+  // bind() is a mistake. Where contextRestored() gives an issue, it may be called again.
   void contextLost();
   Status contextRestored();
 

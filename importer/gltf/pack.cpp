@@ -12,6 +12,7 @@
 #include "importer/gltf/measure_uvs.h"
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
+#include "material/base/memory_issue.h"
 #include "material/system/atomic_file.h"
 #include "material/system/confined_path.h"
 
@@ -285,9 +286,7 @@ Status checkTexCoords(const Json& scene, int material, const PackOptions& option
                                            "; unwrap the mesh, or name another set with --texcoord");
 }
 
-}  // namespace
-
-Result<PackReport> pack(const PackOptions& options) {
+Result<PackReport> packScene(const PackOptions& options) {
   const auto scene_bytes = readFile(options.scene);
   if (!scene_bytes) return scene_bytes.issue();
   auto document = parseGltf(*scene_bytes, options.scene.string());
@@ -338,6 +337,12 @@ Result<PackReport> pack(const PackOptions& options) {
     return status.issue();
   report.files.push_back(options.output);
   return report;
+}
+
+}  // namespace
+
+Result<PackReport> pack(const PackOptions& options) {
+  return withMemoryIssue(options.scene.native(), "packing this scene", [&] { return packScene(options); });
 }
 
 }  // namespace loden::importer

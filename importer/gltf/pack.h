@@ -45,7 +45,7 @@ struct PackReport {
 // Everything else in the scene stays as it is. If the output lies in another folder, buffers and images that
 // the scene names by uri are copied beside it. No file of other bytes is overwritten: an asset whose name is
 // taken gets its hash into the name, a buffer or image is refused (kExists). The scene itself is written
-// last, whole or not at all.
+// last, whole or not at all. Too little memory is kMemory.
 Result<PackReport> pack(const PackOptions& options);
 
 // Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to; no

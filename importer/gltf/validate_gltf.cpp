@@ -11,6 +11,7 @@
 #include "importer/gltf/validate.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/issues.h"
+#include "material/base/memory_issue.h"
 #include "material/system/confined_path.h"
 
 namespace loden::importer {
@@ -284,11 +285,13 @@ class SceneCheck {
 }  // namespace
 
 Result<std::vector<Issue>> validateGltf(const fs::path& path) {
-  const auto bytes = readFile(path);
-  if (!bytes) return bytes.issue();
-  const auto document = parseGltf(*bytes, path.string());
-  if (!document) return std::vector<Issue>{document.issue()};
-  return SceneCheck(path, *document).run();
+  return withMemoryIssue(path.native(), "this scene", [&]() -> Result<std::vector<Issue>> {
+    const auto bytes = readFile(path);
+    if (!bytes) return bytes.issue();
+    const auto document = parseGltf(*bytes, path.string());
+    if (!document) return std::vector<Issue>{document.issue()};
+    return SceneCheck(path, *document).run();
+  });
 }
 
 }  // namespace loden::importer

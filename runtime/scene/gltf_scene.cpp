@@ -7,6 +7,7 @@
 
 #include "material/base/gltf_extensions.h"
 #include "material/base/json_depth.h"
+#include "material/base/memory_issue.h"
 #include "material/system/confined_path.h"
 #include "runtime/scene/gltf_guard.h"
 #include "runtime/scene/gltf_reader.h"
@@ -97,6 +98,8 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
   if (!ok && files.refused)
     return Issue{files.refused->id, Severity::kError, file + ": " + files.refused->where,
                  files.refused->text};
+  // It hands on what() of what it catches.
+  if (!ok && error.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
   if (!ok) return Issue{issue_id::kGltfParse, Severity::kError, file, error.substr(0, 500)};
   return model;
 }
@@ -130,11 +133,15 @@ Result<Scene> load(const std::filesystem::path& path, const SceneOptions& option
 }  // namespace
 
 Result<Scene> loadGltfScene(const std::filesystem::path& path, const SceneOptions& options) {
-  try {
-    return load(path, options);
-  } catch (const std::exception& error) {  // tinygltf and its JSON parser throw on some malformed input
-    return Issue{issue_id::kGltfParse, Severity::kError, path.string(), error.what()};
-  }
+  return withMemoryIssue(path.native(), "this scene", [&]() -> Result<Scene> {
+    try {
+      return load(path, options);
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {  // tinygltf and its JSON parser throw on some malformed input
+      return Issue{issue_id::kGltfParse, Severity::kError, path.string(), error.what()};
+    }
+  });
 }
 
 }  // namespace loden::runtime

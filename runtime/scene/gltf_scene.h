@@ -15,7 +15,7 @@ namespace loden::runtime {
 //   "loden_subdivision": {"levels": 1..6, "quads": true}
 // are cages: each two triangles in a row form one quad (a b c, a c d), and the mesh becomes a grid of points
 // on their Catmull-Clark limit surface. Other files are read from the glTF's own folder only. Meshes without
-// normals or tangents get them. Failures are issues 1xxx and 5xxx, with the place in the file.
+// normals or tangents get them. Failures are issues 1xxx and 5xxx, with the place in the file, and kMemory.
 struct SceneOptions {
   std::string variant;  // by its name (KHR_materials_variants); empty: the materials of the meshes themselves
 };

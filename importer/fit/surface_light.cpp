@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "importer/base/parallel.h"
+#include "importer/base/random.h"
 #include "importer/fit/band_pack.h"
 #include "importer/fit/eigen.h"
 #include "material/model/directions.h"
@@ -20,13 +21,14 @@ using Eigen::VectorXd;
 
 constexpr double kLift = 2e-3;  // tile lengths along the normal: where shadow rays start
 constexpr int kFillSteps = 8;
+constexpr int kRays = 8;                      // per side of the square of rays that a point sees its tile by
 constexpr int kRounds = 12, kLastRounds = 3;  // of the fit; the last ones solve the table alone
 // Towards the last round, relative: samples beyond the ends leave components free.
 constexpr double kPull = 1e-3;
 
 // Rows of texels that are not known become the mean of their neighbours' that are, step by step; returns what
 // is left.
-std::vector<uint8_t> fillAround(SurfaceLight& light, int side, std::vector<uint8_t> known) {
+std::vector<uint8_t> fillAround(std::initializer_list<Matrix*> maps, int side, std::vector<uint8_t> known) {
   for (int step = 0; step < kFillSteps; ++step) {
     std::vector<uint8_t> next = known;
     for (int t = 0; t < side * side; ++t) {
@@ -37,7 +39,7 @@ std::vector<uint8_t> fillAround(SurfaceLight& light, int side, std::vector<uint8
         if (known[size_t(n)]) around.push_back(n);
       }
       if (around.empty()) continue;
-      for (Matrix* m : {&light.open, &light.lit})
+      for (Matrix* m : maps)
         for (int l = 0; l < m->cols; ++l) {
           double sum = 0;
           for (const int n : around) sum += (*m)(n, l);
@@ -74,6 +76,61 @@ VectorXd solveOpen(const MatrixXd& rows, const VectorXd& u, const VectorXd& targ
   return gram.ldlt().solve(right);
 }
 
+// Coefficients of wi.z, wi.z^2, wi.z wi.x and wi.z wi.y in columns, closest in the mean square to the rows of
+// `lit`.
+MatrixXd polynomialOf(const Matrix& lit, std::span<const glm::dvec3> directions) {
+  MatrixXd terms(Index(directions.size()), kIndirectTerms);
+  for (Index l = 0; l < terms.rows(); ++l) {
+    const glm::dvec3& w = directions[size_t(l)];
+    terms.row(l) << w.z, w.z * w.z, w.z * w.x, w.z * w.y;
+  }
+  const MatrixXd gram = terms.transpose() * terms;
+  return eigen(lit) * terms * gram.ldlt().solve(MatrixXd::Identity(kIndirectTerms, kIndirectTerms));
+}
+
+// A texel that another sees, and the share of its hemisphere that it takes, weighted by the cosine.
+struct Seen {
+  uint32_t texel = 0;
+  float share = 0;
+};
+
+// What every texel of p sees of the tile, by rays from points x points places; nothing where it has no
+// surface, the share 0 of itself where it sees none.
+std::vector<std::vector<Seen>> seenOf(const GeometryImage& image, int side, int points, int threads) {
+  const GeometryTracer tracer(image);
+  const glm::dvec3 lift = kLift * glm::dvec3(periodsPerLength(image.aspect), 1);
+  std::vector<std::vector<Seen>> seen(size_t(side) * size_t(side));
+  parallelFor(seen.size(), threads, [&](size_t texel) {
+    std::vector<uint32_t> met;
+    int found = 0;
+    for (int s = 0; s < points * points; ++s) {
+      const glm::dvec2 inside((s % points + 0.5) / points, (s / points + 0.5) / points);
+      const glm::dvec2 corner(int(texel) % side, int(texel) / side);
+      const auto point = surfaceAt<double>(image, (corner + inside) / double(side));
+      if (point.chart == 0) continue;
+      ++found;
+      const uint64_t seed = mixSeed(texel, uint64_t(s));
+      for (int k = 0; k < kRays * kRays; ++k) {
+        const glm::dvec2 cell(k % kRays + uniform(seed, uint64_t(2 * k)),
+                              k / kRays + uniform(seed, uint64_t(2 * k + 1)));
+        const glm::dvec3 direction = cosineDirection(point.normal, cell.x / kRays, cell.y / kRays);
+        const auto hit = tracer.trace(point.position + lift * point.normal, direction);
+        if (!hit) continue;
+        const auto at = [&](double p) { return wrapIndex(static_cast<int>(std::floor(p * side)), side); };
+        met.push_back(uint32_t(at(hit->p.y) * side + at(hit->p.x)));
+      }
+    }
+    std::sort(met.begin(), met.end());
+    if (found > 0 && met.empty()) seen[texel].push_back({uint32_t(texel), 0});
+    const float share = 1 / float(std::max(found, 1) * kRays * kRays);
+    for (const uint32_t other : met) {
+      if (seen[texel].empty() || seen[texel].back().texel != other) seen[texel].push_back({other, 0});
+      seen[texel].back().share += share;
+    }
+  });
+  return seen;
+}
+
 }  // namespace
 
 SurfaceLight surfaceLight(const GeometryImage& image, int side, std::span<const glm::dvec3> directions,
@@ -103,11 +160,40 @@ SurfaceLight surfaceLight(const GeometryImage& image, int side, std::span<const 
       known[texel] = found > 0;
       for (int l = 0; l < lights && found > 0; ++l) light.open(t, l) /= found, light.lit(t, l) /= found;
     });
-    known = fillAround(light, side, std::move(known));
+    known = fillAround({&light.open, &light.lit}, side, std::move(known));
   }
   for (int t = 0; t < texels; ++t)
     for (int l = 0; l < lights && !known[size_t(t)]; ++l)
       light.open(t, l) = light.lit(t, l) = directions[size_t(l)].z;
+  return light;
+}
+
+Matrix indirectLight(const GeometryImage& image, int side, const Matrix& lit,
+                     std::span<const glm::dvec3> directions, std::span<const glm::vec3> albedo, int bounces,
+                     int points, int threads) {
+  const int texels = side * side;
+  Matrix light(texels, 3 * kIndirectTerms);
+  if (image.empty() || bounces <= 0) return light;
+  const MatrixXd direct = polynomialOf(lit, directions);
+  const std::vector<std::vector<Seen>> seen = seenOf(image, side, points, threads);
+  for (int bounce = 0; bounce < bounces; ++bounce) {
+    Matrix leaving(texels, light.cols);
+    for (int column = 0; column < light.cols; ++column)
+      for (int t = 0; t < texels; ++t)
+        leaving(t, column) = double(albedo[size_t(t)][column / kIndirectTerms]) *
+                             (direct(t, column % kIndirectTerms) + light(t, column));
+    parallelFor(size_t(light.cols), threads, [&](size_t column) {
+      for (int t = 0; t < texels; ++t) {
+        double sum = 0;
+        for (const Seen& other : seen[size_t(t)])
+          sum += double(other.share) * leaving(int(other.texel), int(column));
+        light(t, int(column)) = sum;
+      }
+    });
+  }
+  std::vector<uint8_t> known;
+  for (const auto& of_texel : seen) known.push_back(!of_texel.empty());
+  fillAround({&light}, side, std::move(known));
   return light;
 }
 

@@ -23,6 +23,17 @@ struct SurfaceLight {
 SurfaceLight surfaceLight(const GeometryImage& image, int side, std::span<const glm::dvec3> directions,
                           int points, int threads);
 
+// What the tile itself sends to its surface: irradiance over pi (white units, mean over each texel of p) by
+// light from wi that was reflected 1 to `bounces` times, as wi.z (c0 + c1 wi.z + c2 wi.x + c3 wi.y). Texels x
+// 12: c0 .. c3 of red, of green and of blue. `lit`: SurfaceLight's, by `directions` of equal solid angle,
+// whose polynomial is the closest one in the mean square; `albedo`: of each texel, diffuse. Since light adds
+// up, the exchange among texels (Goral et al. 1984) is computed for the coefficients and not light by light
+// (Sloan et al. 2002). Deterministic at any number of threads.
+Matrix indirectLight(const GeometryImage& image, int side, const Matrix& lit,
+                     std::span<const glm::dvec3> directions, std::span<const glm::vec3> albedo, int bounces,
+                     int points, int threads);
+inline constexpr int kIndirectTerms = 4;
+
 // The directions at the texels of a shadow table of side x side, row by row; those beyond the lookup's
 // kThetaMax are moved to it, where rays still leave the tile.
 std::vector<glm::dvec3> shadowDirections(int side);

@@ -311,6 +311,16 @@ bool GeometryTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direct
       .has_value();
 }
 
+std::optional<TraceHit> GeometryTracer::trace(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  const glm::dvec2 period = glm::floor(glm::dvec2(origin));
+  const glm::dvec3 start = origin - glm::dvec3(period, 0);
+  const double rise = direction.z > 0 ? 1e-6 - origin.z : origin.z - impl_->z_min + 1e-6;
+  const double end = std::min(kReach, rise / std::max(std::abs(direction.z), 1e-12));
+  auto hit = impl_->march(start, direction * impl_->per_length, 1e-9, end);
+  if (hit) hit->p += period, hit->position += glm::dvec3(period, 0);
+  return hit;
+}
+
 float GeometryTracer::aspect() const {
   return impl_->aspect;
 }

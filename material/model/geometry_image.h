@@ -101,7 +101,10 @@ class GeometryTracer {
   std::optional<TraceHit> traceView(glm::dvec2 x, const glm::dvec3& wo) const;
   // Any ray; false if nothing stands between origin and the plane z = 0 along direction (direction.z > 0).
   bool occluded(const glm::dvec3& origin, const glm::dvec3& direction) const;
-  float aspect() const;  // of the image
+  // The first hit of any ray from a point of the tile, in any direction, no further off than kReach.
+  std::optional<TraceHit> trace(const glm::dvec3& origin, const glm::dvec3& direction) const;
+  static constexpr double kReach = 16;  // tile lengths
+  float aspect() const;                 // of the image
 
  private:
   struct Impl;

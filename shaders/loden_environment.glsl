@@ -107,8 +107,8 @@ mat3 loden_evaluate_bands_environment(LodenHit hit, vec2 view, LodenHemisphere l
 #endif
 
 #ifdef LODEN_NEAR
-// A and V under light from all around: the diffuse part as the ambient map has it, and the light along the
-// mirror direction, blurred as the lobe's width asks, times what the lobe reflects.
+// A, V and C under light from all around: the diffuse part as the ambient map has it, the light along the
+// mirror direction, blurred as the lobe's width asks, times what the lobe reflects, and C.
 vec3 loden_evaluate_near_environment(LodenHit hit, LodenHemisphere light, vec3 wo) {
   LODEN_COUNT(LODEN_UNIT_AMBIENT(LODEN_BANDS_OR_NONE), 2);
   float lod = hit.lambda - loden_material.ambient_lambda;
@@ -129,13 +129,21 @@ vec3 loden_evaluate_near_environment(LodenHit hit, LodenHemisphere light, vec3 w
                       0.0);
   // What meets the surface of a white sky stands for what meets it along the mirror direction.
   float open = clamp(first.x / max(0.5 + 0.5 * n.z, 0.05), 0.0, 1.0);
+  vec3 indirect = vec3(0.0);
+#ifdef LODEN_INDIRECT
+  // The integrals of the basis times wi.z (1, wi.z, wi.x, wi.y), over pi.
+  vec4 k = hit.near.indirect;
+  vec3 entering = light.c[0] * (k.x + 2.0 / 3.0 * k.y) + light.c[1] * (2.0 / 3.0 * k.x + 0.5 * k.y) +
+                  0.25 * (light.c[2] * k.z + light.c[3] * k.w);
+  indirect = hit.near.indirect_color * max(entering, 0.0);
+#endif
   if (!ggx)
     return hit.near.diffuse * irradiance +
-           (hit.near.strength * loden_phong_albedo(hit.near.width, nv)) * open * mirrored;
+           (hit.near.strength * loden_phong_albedo(hit.near.width, nv)) * open * mirrored + indirect;
   vec3 shine = loden_lobe_albedo(hit.near.width, hit.near.f0, nv);
   vec3 f0 = vec3(max(max(hit.near.f0.x, hit.near.f0.y), hit.near.f0.z));
   float left = 1.0 - loden_lobe_albedo(hit.near.width, f0, nv).x;
-  return hit.near.diffuse * (irradiance * left) + shine * open * mirrored;
+  return hit.near.diffuse * (irradiance * left) + shine * open * mirrored + indirect;
 }
 #endif
 

@@ -64,6 +64,10 @@ LODEN_BINDING(LODEN_UNIT_SHADOW(LODEN_BANDS_OR_NONE)) uniform sampler2DArray lod
 LODEN_BINDING(LODEN_UNIT_SHADOW_TABLE(LODEN_BANDS_OR_NONE))
 uniform sampler2DArray loden_shadow_table;  // clamp, linear
 #endif
+#ifdef LODEN_INDIRECT
+LODEN_BINDING(LODEN_UNIT_INDIRECT(LODEN_BANDS_OR_NONE))
+uniform sampler2DArray loden_indirect;  // as those three
+#endif
 
 // State of one drawn instance, or of one shading point, next to the material's block.
 struct LodenMaterial {
@@ -95,6 +99,10 @@ struct LodenNear {
   float width;     // Phong: exponent; GGX: alpha
 #ifdef LODEN_VISIBILITY_MAP
   vec4 shadow[LODEN_VISIBILITY_MAP];  // of the shadow map
+#endif
+#ifdef LODEN_INDIRECT
+  vec3 indirect_color;  // of C
+  vec4 indirect;        // C over its colour and wi.z: coefficients of 1, wi.z, wi.x, wi.y
 #endif
 };
 

@@ -7,6 +7,9 @@
 //                                                              that is drawn without them
 //   LODEN_VISIBILITY_FAST, _DEFAULT or none of them            cast shadows of the near term, by that lookup
 //   LODEN_VISIBILITY_MAP n (1..LODEN_MAX_SHADOW_QUADS)         or by a shadow map of n quads
+//   LODEN_INDIRECT                                             the near term has light that comes by way of
+//   the
+//                                                              tile
 //   LODEN_TABLES_NEAREST                                       tables are read at the nearest sampled pair
 //   LODEN_LOOKUP_DEFAULT, _FAST, _PAPER or none of them        how p is found; none: p = x
 //   LODEN_HEIGHT_FIELD                                         in a height field, whose points have P.xy = p

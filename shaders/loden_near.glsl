@@ -1,7 +1,8 @@
-// The near term of the equation, V(P, wi) A(p; wi, wo): what is known of the surface. Mirrors
+// The near term of the equation, V(P, wi) A(p; wi, wo) + C(p, wi): what is known of the surface. Mirrors
 // material/eval/near_term.cpp name for name. Fetches: 2 per hit for A, shared by all lights; per light that
 // the surface faces those of the lookup for V (LODEN_VISIBILITY_FAST or _DEFAULT), or with a shadow map of n
-// quads (LODEN_VISIBILITY_MAP n) n, and n more per hit; 2 for light from all around.
+// quads (LODEN_VISIBILITY_MAP n) n, and n more per hit; 2 per hit for C (LODEN_INDIRECT), 2 for light from
+// all around.
 
 #ifdef LODEN_NEAR
 
@@ -58,6 +59,23 @@ float loden_ggx_coupling(LodenNear near, float cos_light, float cos_view) {
   return light * view / max(mean, 1e-3);
 }
 
+#ifdef LODEN_INDIRECT
+// Share of diffuse light that the surface returns: of its diffuse part and, as if seen at the mean cosine, of
+// its lobe.
+vec3 loden_near_albedo(LodenNear near) {
+  if ((loden_material.bits & LODEN_GGX) == 0)
+    return near.diffuse + near.strength * loden_phong_albedo(near.width, LODEN_MEAN_COSINE);
+  vec3 f0 = vec3(max(max(near.f0.x, near.f0.y), near.f0.z));
+  float left = 1.0 - loden_lobe_albedo(near.width, f0, LODEN_MEAN_COSINE).x;
+  return near.diffuse * left + loden_lobe_albedo(near.width, near.f0, LODEN_MEAN_COSINE);
+}
+
+// C(p, wi).
+vec3 loden_indirect_light(LodenNear near, vec3 wi) {
+  return near.indirect_color * max(wi.z * dot(near.indirect, vec4(1.0, wi.z, wi.xy)), 0.0);
+}
+#endif
+
 LodenNear loden_near_point(vec2 p, float lambda) {
   LODEN_COUNT(LODEN_UNIT_NORMAL(LODEN_BANDS_OR_NONE), 1);
   LODEN_COUNT(LODEN_UNIT_COLOR(LODEN_BANDS_OR_NONE), 1);
@@ -80,6 +98,13 @@ LodenNear loden_near_point(vec2 p, float lambda) {
     LODEN_COUNT(LODEN_UNIT_SHADOW(LODEN_BANDS_OR_NONE), 1);
     near.shadow[quad] = textureLod(loden_shadow, vec3(p, float(quad)), shadow_lod);
   }
+#endif
+#ifdef LODEN_INDIRECT
+  LODEN_COUNT(LODEN_UNIT_INDIRECT(LODEN_BANDS_OR_NONE), 2);
+  float indirect_lod = lambda - loden_material.ambient_lambda;
+  vec3 root = textureLod(loden_indirect, vec3(p, 0.0), indirect_lod).rgb;
+  near.indirect_color = loden_near_albedo(near) * (root * root);
+  near.indirect = textureLod(loden_indirect, vec3(p, 1.0), indirect_lod);
 #endif
   return near;
 }
@@ -172,16 +197,20 @@ bool loden_light_reaches(LodenHit hit, vec3 wi) {
 }
 #endif
 
-// V(P, wi) A(p; wi, wo).
+// V(P, wi) A(p; wi, wo) + C(p, wi).
 vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
-  if (dot(hit.near.mapped, wi) <= 0.0) return vec3(0.0);
+  vec3 indirect = vec3(0.0);
+#ifdef LODEN_INDIRECT
+  indirect = loden_indirect_light(hit.near, wi);
+#endif
+  if (dot(hit.near.mapped, wi) <= 0.0) return indirect;
 #ifdef LODEN_VISIBILITY
-  if (hit.relief && !hit.missed && !loden_light_reaches(hit, wi)) return vec3(0.0);
+  if (hit.relief && !hit.missed && !loden_light_reaches(hit, wi)) return indirect;
 #endif
   vec3 open = loden_evaluate_near(hit.near, wi, wo);
 #ifdef LODEN_VISIBILITY_MAP
   open *= loden_mapped_visibility(hit.near, wi);
 #endif
-  return open;
+  return open + indirect;
 }
 #endif  // LODEN_NEAR

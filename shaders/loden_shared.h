@@ -34,7 +34,8 @@
 #define LODEN_UNIT_AMBIENT(bands) (7 + 3 * (bands))
 #define LODEN_UNIT_SHADOW(bands) (8 + 3 * (bands))
 #define LODEN_UNIT_SHADOW_TABLE(bands) (9 + 3 * (bands))
-#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes; 3 or 5 more with the near term
+#define LODEN_UNIT_INDIRECT(bands) (10 + 3 * (bands))
+#define LODEN_UNITS(bands) (5 + 3 * (bands))  // that a variant takes; 3 to 6 more with the near term
 #define LODEN_MAX_UNITS (3 + LODEN_UNITS(LODEN_MAX_BANDS))
 
 #define LODEN_BLOCK_MATERIAL 0    // uniform block binding

@@ -342,13 +342,18 @@ class MaterialCheck {
             "a shadow map and its table come together");
     require(maps.visibility != Visibility::kMap || shadow.width > 0, issue_id::kShadowMissing, "visibility ",
             static_cast<uint32_t>(maps.visibility), " without a shadow map");
+    const auto likeAmbient = [&](const Texture& map) {
+      return map.width == maps.ambient.width && map.height == maps.ambient.height &&
+             map.mips == maps.ambient.mips;
+    };
+    require(maps.indirect.width == 0 || likeAmbient(maps.indirect), issue_id::kIndirectExtent,
+            "the map of indirect light has other extents than the ambient map");
     if (shadow.width == 0 || table.width == 0) return;
     require(shadow.depth == table.depth && within(shadow.depth, 1, Limits::kMaxQuads),
             issue_id::kShadowLayers, "a shadow map of ", shadow.depth, " layers, and a table of ",
             table.depth, "; they are alike, and in 1..", Limits::kMaxQuads);
-    require(shadow.width == maps.ambient.width && shadow.height == maps.ambient.height &&
-                shadow.mips == maps.ambient.mips,
-            issue_id::kShadowExtent, "the shadow map has other extents than the ambient map");
+    require(likeAmbient(shadow), issue_id::kShadowExtent,
+            "the shadow map has other extents than the ambient map");
     require(table.width == table.height && within(table.width, 2, Limits::kMaxGridSide) && table.mips == 1,
             issue_id::kShadowTable, "a shadow table of ", table.width, " x ", table.height,
             " directions and ", table.mips, " mips; it is square, of 2..", Limits::kMaxGridSide,
@@ -358,7 +363,7 @@ class MaterialCheck {
   void checkSurfaceMap(const SurfaceMaps& maps, const SurfaceMapRow& row) {
     const Texture& map = maps.*row.texture;
     const std::string place = join("HEAD, ", row.name, " map");
-    if (row.layers == 0 && map.width == 0 && map.height == 0 && map.depth == 0) return;
+    if (row.optional && map.width == 0 && map.height == 0 && map.depth == 0) return;
     issues_.require(map.format == row.format, issue_id::kMapLayers, place, "the format is not ",
                     texelFormatName(row.format));
     if (!checkExtents(map, TextureShape::kArray2D, issue_id::kMapExtent, place)) return;

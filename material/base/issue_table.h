@@ -188,6 +188,8 @@ inline constexpr std::array kIssueKinds{
               "the shadow table is not square, or its side is not in 2 to kMaxGridSide, or it has mips"},
     IssueKind{issue_id::kQuadEnd, "quad-end",
               "quad_end is not in -10000 to 10000, or above that of the quad before"},
+    IssueKind{issue_id::kIndirectExtent, "indirect-extent",
+              "the map of indirect light has other extents than the ambient map"},
     IssueKind{issue_id::kGltfParse, "gltf-parse", "the file is no JSON object, or cannot be read as glTF"},
     IssueKind{issue_id::kGltfDepth, "gltf-depth", "JSON nests deeper than 64 levels"},
     IssueKind{issue_id::kGltfPath, "gltf-path", "a uri leads outside of the document's folder"},

@@ -219,7 +219,7 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   if (material_->mode == Mode::kLod) hit.lambda = std::min(hit.lambda, T(material_->lambda_max));
   if (nearWeight(*material_, hit.lambda) > 0) {
     const SurfaceMaps& near = *material_->surface;
-    hit.fetches = 2 + (near.visibility == Visibility::kMap ? near.shadow.depth : 0);
+    hit.fetches = 2 + (near.visibility == Visibility::kMap ? near.shadow.depth : 0) + near.indirect.depth;
   }
   const VdimMaps maps = vdimMaps();
   if (!maps.serve(lookup)) return hit;
@@ -280,15 +280,17 @@ glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, 
                                            const glm::vec<3, T>& wo) const {
   const SurfaceMaps& maps = *material_->surface;
   const NearPoint<T> point = nearPoint(maps, hit.p, hit.lambda);
-  if (glm::dot(point.mapped, wi) <= 0) return V3<T>(0);
+  const V3<T> indirect = indirectLight(maps, point, hit.p, hit.lambda, wi);
+  if (glm::dot(point.mapped, wi) <= 0) return indirect;
   // No better for the light than for the eye.
   const bool fast = maps.visibility == Visibility::kFast || hit.lookup == Lookup::kFast;
   const Lookup lookup = fast ? Lookup::kFast : Lookup::kDefault;
   if (byLookup(maps.visibility) && hit.relief && !hit.missed &&
       !lightReaches(vdimMaps(), lookup, hit.surface, hit.position, hit.p, wi))
-    return V3<T>(0);
-  const V3<T> open = evaluateNear(maps.lobe, point, wi, wo);
-  return maps.visibility == Visibility::kMap ? mappedVisibility(maps, hit.p, hit.lambda, wi) * open : open;
+    return indirect;
+  V3<T> open = evaluateNear(maps.lobe, point, wi, wo);
+  if (maps.visibility == Visibility::kMap) open *= mappedVisibility(maps, hit.p, hit.lambda, wi);
+  return open + indirect;
 }
 
 void Evaluator::prepareEnvironment() {

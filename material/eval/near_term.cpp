@@ -49,6 +49,21 @@ T coupling(const NearPoint<T>& point, T cos_light, T cos_view) {
   return light * view / std::max(mean, T(1e-3));
 }
 
+// What the map of indirect light holds at a point: e(p, wi) = color max(0, wi.z dot(c, (1, wi.z, wi.x,
+// wi.y))).
+template <class T>
+struct Indirect {
+  V3<T> color;
+  glm::vec<4, T> c;
+};
+
+template <class T>
+Indirect<T> indirectAt(const SurfaceMaps& maps, V2<T> p, T lambda) {
+  const T lod = lambda - T(maps.ambient_first);
+  const V3<T> root(sampleRepeatLod(maps.indirect, lod, 0, p));
+  return {root * root, sampleRepeatLod(maps.indirect, lod, 1, p)};
+}
+
 }  // namespace
 
 const char* visibilityName(Visibility visibility) {
@@ -128,6 +143,22 @@ V3<T> evaluateNear(Lobe lobe, const NearPoint<T>& point, const V3<T>& wi, const 
 }
 
 template <class T>
+V3<T> nearAlbedo(Lobe lobe, const NearPoint<T>& point) {
+  if (lobe == Lobe::kPhong) return point.diffuse + point.strength * phongAlbedo(point.width, T(kMeanCosine));
+  const V3<T> f0(std::max({point.f0.x, point.f0.y, point.f0.z}));
+  const T left = T(1) - lobeAlbedo(point.width, f0, T(kMeanCosine)).x;
+  return point.diffuse * left + lobeAlbedo(point.width, point.f0, T(kMeanCosine));
+}
+
+template <class T>
+V3<T> indirectLight(const SurfaceMaps& maps, const NearPoint<T>& point, V2<T> p, T lambda, const V3<T>& wi) {
+  if (maps.indirect.width == 0) return V3<T>(0);
+  const Indirect<T> at = indirectAt(maps, p, lambda);
+  const T entering = wi.z * (at.c.x + at.c.y * wi.z + at.c.z * wi.x + at.c.w * wi.y);
+  return nearAlbedo(maps.lobe, point) * at.color * std::max(entering, T(0));
+}
+
+template <class T>
 V3<T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point, V2<T> p, T lambda,
                               const HemisphereLight& light, const V3<T>& wo) {
   const T lod = lambda - T(maps.ambient_first);
@@ -152,12 +183,22 @@ V3<T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point
                                   none);
   // What meets the surface of a white sky stands for what meets it along the mirror direction.
   const T open = std::clamp(first.x / std::max(T(0.5) + T(0.5) * n.z, T(0.05)), T(0), T(1));
+  V3<T> indirect(0);
+  if (maps.indirect.width > 0) {
+    // The integrals of the basis times wi.z (1, wi.z, wi.x, wi.y), over pi.
+    const Indirect<T> at = indirectAt(maps, p, lambda);
+    const V3<T> entering = l(0) * (at.c.x + T(2.0 / 3) * at.c.y) +
+                           l(1) * (T(2.0 / 3) * at.c.x + T(0.5) * at.c.y) +
+                           T(0.25) * (l(2) * at.c.z + l(3) * at.c.w);
+    indirect = nearAlbedo(maps.lobe, point) * at.color * glm::max(entering, none);
+  }
   if (!ggx)
-    return point.diffuse * irradiance + (point.strength * phongAlbedo(point.width, nv)) * open * mirrored;
+    return point.diffuse * irradiance + (point.strength * phongAlbedo(point.width, nv)) * open * mirrored +
+           indirect;
   const V3<T> shine = lobeAlbedo(point.width, point.f0, nv);
   const V3<T> f0(std::max({point.f0.x, point.f0.y, point.f0.z}));
   const T left = T(1) - lobeAlbedo(point.width, f0, nv).x;
-  return point.diffuse * (irradiance * left) + shine * open * mirrored;
+  return point.diffuse * (irradiance * left) + shine * open * mirrored + indirect;
 }
 
 template <class T>
@@ -228,6 +269,12 @@ template glm::vec<3, float> evaluateNearEnvironment(const SurfaceMaps&, const Ne
 template glm::vec<3, double> evaluateNearEnvironment(const SurfaceMaps&, const NearPoint<double>&,
                                                      glm::vec<2, double>, double, const HemisphereLight&,
                                                      const glm::vec<3, double>&);
+template glm::vec<3, float> nearAlbedo(Lobe, const NearPoint<float>&);
+template glm::vec<3, double> nearAlbedo(Lobe, const NearPoint<double>&);
+template glm::vec<3, float> indirectLight(const SurfaceMaps&, const NearPoint<float>&, glm::vec<2, float>,
+                                          float, const glm::vec<3, float>&);
+template glm::vec<3, double> indirectLight(const SurfaceMaps&, const NearPoint<double>&, glm::vec<2, double>,
+                                           double, const glm::vec<3, double>&);
 template float mappedVisibility(const SurfaceMaps&, glm::vec<2, float>, float, const glm::vec<3, float>&);
 template double mappedVisibility(const SurfaceMaps&, glm::vec<2, double>, double, const glm::vec<3, double>&);
 template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<float>&, const glm::vec<3, float>&,

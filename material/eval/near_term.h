@@ -1,4 +1,4 @@
-// The near term of the equation, V(P, wi) A(p; wi, wo): what is known of the surface. Mirrors
+// The near term of the equation, V(P, wi) A(p; wi, wo) + C(p, wi): what is known of the surface. Mirrors
 // shaders/loden_near.glsl name for name.
 #pragma once
 
@@ -29,11 +29,23 @@ template <class T>
 glm::vec<3, T> evaluateNear(Lobe lobe, const NearPoint<T>& point, const glm::vec<3, T>& wi,
                             const glm::vec<3, T>& wo);
 
-// A and V integrated with light from all around, over pi: the diffuse part exactly as the ambient map has it,
-// and the light along the mirror direction, blurred as the lobe's width asks, times what the lobe reflects.
+// A, V and C integrated with light from all around, over pi: the diffuse part exactly as the ambient map has
+// it, the light along the mirror direction, blurred as the lobe's width asks, times what the lobe reflects,
+// and C exactly.
 template <class T>
 glm::vec<3, T> evaluateNearEnvironment(const SurfaceMaps& maps, const NearPoint<T>& point, glm::vec<2, T> p,
                                        T lambda, const HemisphereLight& light, const glm::vec<3, T>& wo);
+
+// Share of diffuse light that the surface returns, per colour channel: of its diffuse part and, as if seen at
+// the mean cosine 2 / 3, of its lobe.
+template <class T>
+glm::vec<3, T> nearAlbedo(Lobe lobe, const NearPoint<T>& point);
+
+// C(p, wi) by the map of indirect light; 0 without it. wi above the reference plane. Two fetches of the
+// shaders, shared by all lights.
+template <class T>
+glm::vec<3, T> indirectLight(const SurfaceMaps& maps, const NearPoint<T>& point, glm::vec<2, T> p, T lambda,
+                             const glm::vec<3, T>& wi);
 
 // Share of light from direction w that a GGX lobe reflects, for f0 (Lazarov 2013; Karis 2014: the fit to the
 // split sum's table). cosine of w and the normal.

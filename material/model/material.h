@@ -1,10 +1,10 @@
 // A material in memory: what an asset holds, decoded into the terms of the one equation
-//   value(x, lambda, wi, wo) = w(lambda) V(P, wi) A(p; wi, wo)
+//   value(x, lambda, wi, wo) = w(lambda) [V(P, wi) A(p; wi, wo) + C(p, wi)]
 //                            + (1 - w(lambda)) [mu(wi, wo) + sum_b w_b(lambda) dot(D_b(q_b), E_b(wi, wo))]
-// with p, P = VDIM(x, wo) and q_b = x in the reference domain, p in the flat domain. A and V, the near term,
-// is what is known of the surface: its local reflectance, and whether the light meets it. mu and the bands
-// are what is fitted. Flat-BTF's GPU mode (Hadim et al. 2009, 3.5) is the near term alone with V = 1, LOD-BTF
-// (Ma et al. 2005) the rest alone.
+// with p, P = VDIM(x, wo) and q_b = x in the reference domain, p in the flat domain. A, V and C, the near
+// term, is what is known of the surface: its local reflectance, whether the light meets it, and what light
+// comes by way of the tile. mu and the bands are what is fitted. Flat-BTF's GPU mode (Hadim et al. 2009, 3.5)
+// is the near term alone with V = 1 and C = 0, LOD-BTF (Ma et al. 2005) the rest alone.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// The near term of the equation, V(P, wi) A(p; wi, wo), as maps over the tile's own surface.
+// The near term of the equation, V(P, wi) A(p; wi, wo) + C(p, wi), as maps over the tile's own surface.
 #pragma once
 
 #include <array>
@@ -49,9 +49,14 @@ struct SurfaceMaps {
   // a layer; shadow_table RGBA16 float, square, read at squareFromDirection(wi)
   // (material/model/directions.h), its outer texels' centres at the square's edges.
   Texture shadow, shadow_table;
+  // RGBA8 snorm, two layers, or absent: C = reflects(p) e(p, wi), the light from wi that other parts of the
+  // tile send to p, diffuse there. e = t rgb^2 of layer 0, t = max(0, wi.z (r + g wi.z + b wi.x + a wi.y)) of
+  // layer 1: as much as enters the tile, and a linear polynomial of the direction. reflects is all that the
+  // surface returns of diffuse light (material/eval/near_term.h).
+  Texture indirect;
   float specular_scale = 1;  // of Phong
   float lambda_first = 0;    // lambda of mip 0 of normal and color; below 0 where they are finer than `side`
-  float ambient_first = 0;   // of mip 0 of ambient and shadow
+  float ambient_first = 0;   // of mip 0 of ambient, shadow and indirect
   int tail_mip = 0;          // mips of all maps from here on are stored apart from the finer ones
                              // (material/model/leading_part.h); 0: stored in one
   // w(lambda): 1 up to fade_begin, 0 from fade_end on, linear between. 1 everywhere in materials without
@@ -65,9 +70,10 @@ struct SurfaceMapRow {
   const char* name;
   Texture SurfaceMaps::*texture;
   TexelFormat format;
-  int layers;  // 0: any number; then the map may be absent
+  int layers;  // 0: any number
   float SurfaceMaps::*
-      first;  // lambda of mip 0; null: a table over the light's direction, of one mip, clamped
+      first;              // lambda of mip 0; null: a table over the light's direction, of one mip, clamped
+  bool optional = false;  // the map may be absent
 };
 
 // In file order.
@@ -75,8 +81,11 @@ inline constexpr std::array kSurfaceMapRows = {
     SurfaceMapRow{"normal", &SurfaceMaps::normal, TexelFormat::kRGBA8Snorm, 1, &SurfaceMaps::lambda_first},
     SurfaceMapRow{"color", &SurfaceMaps::color, TexelFormat::kRGBA8Unorm, 1, &SurfaceMaps::lambda_first},
     SurfaceMapRow{"ambient", &SurfaceMaps::ambient, TexelFormat::kRGBA8Snorm, 2, &SurfaceMaps::ambient_first},
-    SurfaceMapRow{"shadow", &SurfaceMaps::shadow, TexelFormat::kRGBA8Snorm, 0, &SurfaceMaps::ambient_first},
-    SurfaceMapRow{"shadow_table", &SurfaceMaps::shadow_table, TexelFormat::kRGBA16Sfloat, 0, nullptr},
+    SurfaceMapRow{"shadow", &SurfaceMaps::shadow, TexelFormat::kRGBA8Snorm, 0, &SurfaceMaps::ambient_first,
+                  true},
+    SurfaceMapRow{"shadow_table", &SurfaceMaps::shadow_table, TexelFormat::kRGBA16Sfloat, 0, nullptr, true},
+    SurfaceMapRow{"indirect", &SurfaceMaps::indirect, TexelFormat::kRGBA8Snorm, 2,
+                  &SurfaceMaps::ambient_first, true},
 };
 
 // Without the shadow map and its table.

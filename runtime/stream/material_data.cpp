@@ -120,6 +120,7 @@ Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
       variant.lookup = lookup == Lookup::kFast ? lookup : Lookup::kDefault;
     variant.height_field = hasRelief(variant) && material.geometry.identity_parameterization;
   }
+  variant.indirect = variant.near && material.surface->indirect.width > 0;
   if (variant.near) variant.visibility = shownVisibility(*material.surface, variant, visibility);
   if (variant.visibility == Visibility::kMap) {
     const int quads = material.surface->shadow.depth;

@@ -185,7 +185,8 @@ Result<LoadedPart> loadStoredVdimPart(const AssetFile& file) {
 static_assert(LODEN_UNIT_COLOR(1) == LODEN_UNIT_NORMAL(1) + 1 &&
               LODEN_UNIT_AMBIENT(1) == LODEN_UNIT_NORMAL(1) + 2 &&
               LODEN_UNIT_SHADOW(1) == LODEN_UNIT_NORMAL(1) + 3 &&
-              LODEN_UNIT_SHADOW_TABLE(1) == LODEN_UNIT_NORMAL(1) + 4);
+              LODEN_UNIT_SHADOW_TABLE(1) == LODEN_UNIT_NORMAL(1) + 4 &&
+              LODEN_UNIT_INDIRECT(1) == LODEN_UNIT_NORMAL(1) + 5);
 
 Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share, const KeptTexels* kept,
                                    bool shadow) {
@@ -242,7 +243,7 @@ void addExtents(std::vector<Extents>& all, const Material& material, const PartP
       return add("a packed VDIM", material.stored_vdim->packed);
     case PartKind::kSurface:
       for (const SurfaceMapRow& row : kSurfaceMapRows)
-        if (part.shadow || row.layers > 0) add(row.name, (*material.surface).*row.texture);
+        if (part.shadow || row.layers > 0) add(row.name, (*material.surface).*row.texture);  // absent: 0 x 0
       return;
   }
 }

@@ -44,7 +44,7 @@ bool rowAllows(const ProgramRow& row, const MaterialVariant& variant) {
   if (byLookup(variant.visibility) && !(variant.near && hasRelief(variant))) return false;
   const bool by_map = variant.visibility == Visibility::kMap;
   if (by_map != (variant.shadow_quads > 0) || variant.shadow_quads > LODEN_MAX_SHADOW_QUADS) return false;
-  if (by_map && !variant.near) return false;
+  if ((by_map || variant.indirect) && !variant.near) return false;
   if (variant.visibility == Visibility::kDefault && variant.lookup != Lookup::kDefault) return false;
   if (variant.height_field && !hasRelief(variant)) return false;
   const bool paper = variant.lookup == Lookup::kPaper;
@@ -63,10 +63,12 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
   for (const Lookup lookup : kLookups) {
     for (const bool height_field : {false, true}) {
       for (uint8_t bands = 0; bands <= kMostNearBands; ++bands) {
-        for (const Visibility visibility : {Visibility::kNone, Visibility::kFast, Visibility::kDefault})
-          addIfAllowed({true, bands, lookup, visibility, false, 0, 0, 0, height_field});
-        for (uint8_t quads = 1; quads <= LODEN_MAX_SHADOW_QUADS; ++quads)
-          addIfAllowed({true, bands, lookup, Visibility::kMap, false, 0, quads, 0, height_field});
+        for (const bool indirect : {false, true}) {
+          for (const Visibility visibility : {Visibility::kNone, Visibility::kFast, Visibility::kDefault})
+            addIfAllowed({true, bands, lookup, visibility, false, 0, 0, 0, height_field, indirect});
+          for (uint8_t quads = 1; quads <= LODEN_MAX_SHADOW_QUADS; ++quads)
+            addIfAllowed({true, bands, lookup, Visibility::kMap, false, 0, quads, 0, height_field, indirect});
+        }
       }
       for (const bool nearest : {false, true})
         for (uint8_t bands = 1; bands <= LODEN_MAX_BANDS; ++bands)
@@ -84,14 +86,16 @@ MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleto
     left.bound_bands = variant.bands;
     return left;
   }
-  if (variant.near && range.least >= skeleton.surface->fade_end) left.near = false;
+  if (variant.near && range.least >= skeleton.surface->fade_end) {
+    left.near = left.indirect = false;
+    left.visibility = Visibility::kNone, left.shadow_quads = 0;
+  }
   const bool reads_p =
       left.near || std::any_of(skeleton.bands.begin(), skeleton.bands.end(), [&](const Band& b) {
         return b.domain == Domain::kFlat && range.least < b.window.out_end;
       });
   if (reads_p) return left;
   left.lookup = Lookup::kNone;
-  left.visibility = Visibility::kNone;
   left.height_field = false;
   return left;
 }
@@ -110,7 +114,8 @@ std::optional<MaterialVariant> marchVariant(const MaterialVariant& variant) {
 int unitsOf(const MaterialVariant& variant) {
   if (!variant.shadesMaterial()) return 0;
   const int bands = std::max(variant.bands, variant.bound_bands);
-  return LODEN_UNITS(bands) + (variant.near ? 3 : 0) + (variant.shadow_quads > 0 ? 2 : 0);
+  const int maps = variant.indirect ? 6 : variant.shadow_quads > 0 ? 5 : variant.near ? 3 : 0;
+  return LODEN_UNITS(bands) + maps;
 }
 
 std::vector<std::string> variantDefines(const MaterialVariant& variant) {
@@ -120,6 +125,7 @@ std::vector<std::string> variantDefines(const MaterialVariant& variant) {
   if (variant.visibility == Visibility::kDefault) defines.push_back("LODEN_VISIBILITY_DEFAULT 1");
   if (variant.shadow_quads > 0)
     defines.push_back("LODEN_VISIBILITY_MAP " + std::to_string(variant.shadow_quads));
+  if (variant.indirect) defines.push_back("LODEN_INDIRECT 1");
   if (variant.bands > 0) defines.push_back("LODEN_BANDS " + std::to_string(variant.bands));
   if (variant.bound_bands > 0) defines.push_back("LODEN_BOUND_BANDS " + std::to_string(variant.bound_bands));
   if (variant.first_unit > 0) defines.push_back("LODEN_FIRST_UNIT " + std::to_string(variant.first_unit));
@@ -140,6 +146,7 @@ std::string variantName(const MaterialVariant& variant) {
   if (variant.visibility != Visibility::kNone)
     name += std::string("-shadows-") + visibilityName(variant.visibility);
   if (variant.shadow_quads > 0) name += std::to_string(variant.shadow_quads);
+  if (variant.indirect) name += "-indirect";
   if (variant.bound_bands > 0) name += "-of" + std::to_string(variant.bound_bands);
   if (variant.first_unit > 0) name += "-from" + std::to_string(variant.first_unit);
   return name;

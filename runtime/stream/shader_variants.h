@@ -26,6 +26,7 @@ struct MaterialVariant {
   // has; 0: as many as it shades.
   uint8_t bound_bands = 0;
   bool height_field = false;  // the lookup's geometry is one: R16 heights, p = P.xy
+  bool indirect = false;      // the near term has light that comes by way of the tile
   bool shadesMaterial() const { return near || bands > 0; }
   friend bool operator==(const MaterialVariant&, const MaterialVariant&) = default;
 };

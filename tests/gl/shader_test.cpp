@@ -9,8 +9,10 @@
 #include "material/base/issues.h"
 #include "runtime/shader/shader_assembly.h"
 #include "runtime/shader/shader_library.h"
+#include "runtime/stream/material_data.h"
 #include "shaders/loden_shared.h"
 #include "tests/gl/gl_fixture.h"
+#include "tests/unit/material_fixtures.h"
 
 namespace loden::test {
 namespace {
@@ -58,6 +60,26 @@ TEST(ShaderVariants, AreAllDifferentAndAllowed) {
     }
     std::sort(names.begin(), names.end());
     EXPECT_TRUE(std::adjacent_find(names.begin(), names.end()) == names.end()) << row.name;
+  }
+}
+
+// What is drawn far away has neither the near term nor anything of it.
+TEST(ShaderVariants, LeaveTheNearTermOutAsAWhole) {
+  Material material = test::nearMaterial();
+  for (const Visibility visibility : {Visibility::kFast, Visibility::kMap}) {
+    material.surface->visibility = visibility;
+    const auto variant = materialVariant(material, Lookup::kDefault, Visibility::kDefault);
+    ASSERT_TRUE(variant.ok());
+    EXPECT_TRUE(variant->indirect);
+    const MaterialVariant far = narrowed(*variant, material, {5, 9}),
+                          near = narrowed(*variant, material, {-1, 0.4f});
+    EXPECT_FALSE(far.near || far.indirect);
+    EXPECT_TRUE(near.indirect);
+    for (const MaterialVariant& left : {far, near})
+      EXPECT_TRUE(rowAllows(forwardRow(), left)) << variantName(left);
+    material.surface->indirect = {};
+    EXPECT_FALSE(materialVariant(material, Lookup::kDefault, Visibility::kDefault)->indirect);
+    material = test::nearMaterial();
   }
 }
 

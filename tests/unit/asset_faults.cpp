@@ -452,6 +452,9 @@ void addMaps(FaultList& list) {
   near(id::kShadowTable, "257 x 257",
        [](SurfaceMaps& s) { s.shadow_table.width = s.shadow_table.height = 257; });
   near(id::kShadowTable, "2 mips", [](SurfaceMaps& s) { s.shadow_table.mips = 2; });
+  near(id::kMapLayers, "one of indirect light", [](SurfaceMaps& s) { s.indirect.depth = 1; });
+  near(id::kIndirectExtent, "3 mips", [](SurfaceMaps& s) { s.indirect.mips = 3; });
+  near(id::kIndirectExtent, "4 x 8", [](SurfaceMaps& s) { s.indirect.width = 4; });
 }
 
 }  // namespace

@@ -233,6 +233,7 @@ Material nearMaterial() {
       noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 65);
   maps.color = noiseTexture(TexelFormat::kRGBA8Unorm, TextureShape::kArray2D, 2 * kSide, 2 * kSide, 1, 4, 66);
   addShadow(maps, 1, 67);
+  maps.indirect = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 2, 4, 71);
   material.surface = maps;
   return material;
 }
@@ -262,6 +263,8 @@ Material splitSurfaceMaterial() {
   material.surface->tail_mip = 2;
   addShadow(*material.surface, 2, 69);
   material.surface->visibility = Visibility::kMap;
+  material.surface->indirect =
+      noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide, kSide, 2, 4, 72);
   return material;
 }
 

@@ -137,6 +137,7 @@ class Listing {
   static std::vector<const Texture*> texturesOf(const SurfaceMaps& maps) {
     std::vector<const Texture*> textures{&maps.normal, &maps.color, &maps.ambient};
     if (maps.shadow.width > 0) textures.insert(textures.end(), {&maps.shadow, &maps.shadow_table});
+    if (maps.indirect.width > 0) textures.push_back(&maps.indirect);
     return textures;
   }
   void listMaps(const SurfaceMaps& maps) {
@@ -175,7 +176,7 @@ class Listing {
       for (const Texture* map : texturesOf(maps)) {
         std::vector<std::byte> share;
         const float level = maps.lambda_first + float(maps.tail_mip) - maps.ambient_first;
-        const bool coarser = map == &maps.ambient || map == &maps.shadow;
+        const bool coarser = map == &maps.ambient || map == &maps.shadow || map == &maps.indirect;
         const int first = map == &maps.shadow_table ? 0
                           : coarser ? std::clamp(int(std::floor(level + 0.5f)), 0, map->mips - 1)
                                     : maps.tail_mip;

@@ -136,7 +136,9 @@ TEST(Near, FadesIntoTheBandsWithoutAStep) {
 
 // V by map is 1 - clamp(sum of products) of the texels at their centres, and multiplies what is lit.
 TEST(Near, AShadowMapMultipliesTheReflectance) {
-  Material shaded = test::splitSurfaceMaterial(), open = shaded;
+  Material shaded = test::splitSurfaceMaterial();
+  shaded.surface->indirect = {};
+  Material open = shaded;
   open.surface->visibility = Visibility::kNone;
   const Evaluator evaluator(shaded), without(open);
   const SurfaceMaps& maps = *shaded.surface;
@@ -158,6 +160,72 @@ TEST(Near, AShadowMapMultipliesTheReflectance) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], visible * lit[c], 1e-9);
   }
   EXPECT_LT(least, most - 0.2) << "the samples say little";
+}
+
+// C stands beside V A, and is what is seen where no light comes by itself.
+TEST(Near, IndirectLightIsAddedToWhatTheLightReaches) {
+  const Material with = test::splitSurfaceMaterial();
+  Material without = with;
+  without.surface->indirect = {};
+  const Evaluator lit(with), direct(without);
+  const SurfaceMaps& maps = *with.surface;
+  const int side = maps.indirect.width;
+  std::mt19937 random(5);
+  int dark = 0, added = 0;
+  for (int k = 0; k < side * side; ++k) {
+    const glm::ivec2 texel(k % side, k / side);
+    const glm::dvec2 p = (glm::dvec2(texel) + 0.5) / double(side);
+    const glm::dvec3 wi = upperDirection(random, 0.05), wo = upperDirection(random, 0.05);
+    const glm::dvec3 root(fetchTexel(maps.indirect, 0, texel.x, texel.y, 0));
+    const glm::dvec4 c(fetchTexel(maps.indirect, 0, texel.x, texel.y, 1));
+    const double share = std::max(0.0, wi.z * glm::dot(c, glm::dvec4(1, wi.z, wi.x, wi.y)));
+    const glm::dvec3 albedo = nearAlbedo(maps.lobe, nearPoint(maps, p, 0.0));
+    const auto valueOf = [&](const Evaluator& evaluator) {
+      return evaluator.evaluate(evaluator.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
+    };
+    const glm::dvec3 before = valueOf(direct);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(valueOf(lit)[i], before[i] + albedo[i] * root[i] * root[i] * share, 1e-9);
+    dark += before == glm::dvec3(0) && share > 0;
+    added += share > 0;
+  }
+  EXPECT_GT(dark, 3);
+  EXPECT_GT(added, side * side / 4);
+}
+
+// What the environment makes of C is the integral of what lights make of it.
+TEST(Near, IndirectLightOfASkyIsThatOfItsLights) {
+  Material with = test::splitSurfaceMaterial();
+  for (int mip = 0; mip < with.surface->indirect.mips; ++mip) {
+    const int side = with.surface->indirect.mipWidth(mip);
+    for (int t = 0; t < side * side; ++t)
+      storeTexel(with.surface->indirect, mip, t % side, t / side, 1, {0.6f, 0.3f, -0.4f, 0.4f});  // above 0
+  }
+  Material without = with;
+  without.surface->indirect = {};
+  Evaluator lit(with), direct(without);
+  lit.prepareEnvironment(), direct.prepareEnvironment();
+  HemisphereLight light;
+  light.c = {glm::vec3(0.9f, 1, 1.1f), glm::vec3(0.3f), glm::vec3(0.2f),
+             glm::vec3(-0.1f),         glm::vec3(0.1f), glm::vec3(-0.2f)};
+  const glm::dvec3 wo = glm::normalize(glm::dvec3(0.3, 0.2, 1));
+  const auto hit = lit.findHit(glm::dvec2(0.4, 0.7), 0.0, wo, Lookup::kNone);
+  const NearPoint<double> point = nearPoint(*with.surface, hit.p, hit.lambda);
+  constexpr int kRows = 64;
+  glm::dvec3 sum(0);
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < 2 * kRows; ++column) {
+      const double z = (row + 0.5) / kRows, phi = kPi * (column + 0.5) / kRows, sine = std::sqrt(1 - z * z);
+      const glm::dvec3 w(sine * std::cos(phi), sine * std::sin(phi), z);
+      const double basis[] = {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y};
+      glm::dvec3 radiance(0);
+      for (size_t k = 0; k < kEnvironmentBasis; ++k) radiance += basis[k] * glm::dvec3(light.c[k]);
+      sum += radiance * indirectLight(*with.surface, point, hit.p, hit.lambda, w) / double(kRows * kRows);
+    }
+  const glm::dvec3 added =
+      lit.evaluateEnvironment(hit, light, wo) - direct.evaluateEnvironment(hit, light, wo);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(added[c], sum[c], 1e-3 * sum[c]);
+  EXPECT_GT(sum.x, 0.01);
 }
 
 TEST(Near, IsTheWholeOfAMaterialWithoutBands) {

@@ -135,6 +135,7 @@ void MaterialGpu::createSurfaceStandIns() {
   // No shadows.
   if (variant_.shadow_quads > 0)
     add(LODEN_UNIT_SHADOW(0), TexelFormat::kRGBA8Snorm, std::vector<glm::vec4>(variant_.shadow_quads));
+  if (variant_.indirect) add(LODEN_UNIT_INDIRECT(0), TexelFormat::kRGBA8Snorm, std::vector<glm::vec4>(2));
   stand_ins_shown_ = true;
 }
 

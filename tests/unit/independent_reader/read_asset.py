@@ -12,7 +12,7 @@ from xxh3 import xxh3_64
 
 MAGIC = bytes.fromhex("AB4C4F44454E31BB0D0A1A0A")
 TEXEL_BYTES = {38: 4, 37: 4, 92: 8, 97: 8, 109: 16, 91: 8, 78: 4}
-SURFACE_FORMATS = (38, 37, 38, 38, 97)  # normal, color, ambient, shadow, shadow table
+SURFACE_FORMATS = (38, 37, 38, 38, 97, 38)  # normal, color, ambient, shadow, shadow table, indirect
 
 
 def require(holds, text):
@@ -102,7 +102,7 @@ def read_surface(head):
     if tail == 0:
         return [("SURF", [texture(*extents) for extents in there])]
     coarser = math.floor(first + tail - ambient_first + 0.5)
-    tails = (tail, tail, coarser, coarser, 0)
+    tails = (tail, tail, coarser, coarser, 0, coarser)
     cuts = [min(max(mip, 0), extents[4] - 1) for mip, extents in zip(tails, maps) if extents[1] > 0]
     whole = [texture(*extents)[2] for extents in there]
     fine = [texture(*extents[:4], mip)[2] for extents, mip in zip(there, cuts)]

@@ -213,7 +213,8 @@ class CookCommand : public Command {
       return;
     }
     if (meta["trade"].front().value("surface_side", 0) > 0)
-      return printText(nearTradeText(meta["trade"]) + visibilityText(material) + levelsText(material));
+      return printText(nearTradeText(meta["trade"]) + visibilityText(material) + indirectText(meta) +
+                       levelsText(material));
     std::string text =
         "trade, measured with shortened fits (the asset's own error stands above). phis: columns of the "
         "flat map's direction grid;\n"
@@ -257,6 +258,15 @@ class CookCommand : public Command {
         "pays "
         "(--visibility map): softer, 2 fetches a pixel and 2 for each light, no search\n",
         visibilityName(maps.visibility));
+  }
+
+  static std::string indirectText(const nlohmann::ordered_json& meta) {
+    const auto near = meta.value("near", nlohmann::ordered_json::object());
+    if (!near.contains("indirect_rmse_y")) return {};
+    return formatted(
+        "light by way of the tile: %s; RMSE of Y %.4f with it, %.4f without. It takes 2 fetches a pixel\n",
+        near.value("indirect", false) ? "kept" : "left out", near["indirect_rmse_y"].value("with", 0.0),
+        near["indirect_rmse_y"].value("without", 0.0));
   }
 
   // The goal's error is that of lambda 0, where the coarser levels are not read, so it cannot weigh them:

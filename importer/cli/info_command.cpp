@@ -159,6 +159,7 @@ std::string cookedText(const std::string& meta_text) {
                                   : visibility == "map" ? "shadows by their own map"
                                                         : "shadows by lookup " + visibility;
       text += "near term: lobe " + near->at("lobe").get<std::string>() + ", " + shadows;
+      if (near->value("indirect", false)) text += ", light by way of the tile";
       if (const auto fade = near->find("fade"); fade != near->end())
         text +=
             formatted(", fades over lambda %g to %g", fade->at(0).get<double>(), fade->at(1).get<double>());

@@ -169,8 +169,20 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
              const YccBtf& half, Progress* progress) {
   Material& m = fit.material;
   NearOptions near{surface.side / plan.surface_side, hasCoarseBand(plan, m.side),
-                   plan.visibility.value_or(Visibility::kFast)};
+                   plan.visibility.value_or(Visibility::kFast), plan.bounces};
   m.surface = nearMaps(surface, m.geometry, m.side, near, in.threads);
+  const auto measure = [&](int points) {
+    const Evaluator evaluator(m, onThreads(in.threads));
+    return sampledError(evaluator, in.btf, in.source.lights(), in.source.views(), points, kErrorSamples,
+                        in.threads);
+  };
+  if (m.surface->indirect.width > 0) {
+    fit.indirect.emplace();
+    fit.indirect->with = measure(kErrorPoints).channel[0].rmse();
+    const Texture indirect = std::exchange(m.surface->indirect, {});
+    fit.indirect->without = measure(kErrorPoints).channel[0].rmse();
+    if (fit.indirect->with < fit.indirect->without) m.surface->indirect = indirect;
+  }
   advance(progress, 2);
   if (near.with_bands) {
     m.bands.push_back(fitCoarseBand(in, plan, half));
@@ -180,11 +192,6 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
     fit.levels = chooseLevels(m, in.btf, in.source.lights(), in.source.views(), in.threads);
     advance(progress, 2);
   }
-  const auto measure = [&](int points) {
-    const Evaluator evaluator(m, onThreads(in.threads));
-    return sampledError(evaluator, in.btf, in.source.lights(), in.source.views(), points, kErrorSamples,
-                        in.threads);
-  };
   fit.near = measure(kErrorPoints);
   // The frugal lookup, unless another is clearly better.
   if (!plan.visibility && m.surface->visibility != Visibility::kNone) {
@@ -271,8 +278,8 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   uint64_t bytes =
       textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
   if (plan.surface_side > 0) {
-    bytes +=
-        nearBytes(plan.surface_side, side, hasCoarseBand(plan, side), plan.visibility == Visibility::kMap);
+    bytes += nearBytes(plan.surface_side, side, hasCoarseBand(plan, side),
+                       plan.visibility == Visibility::kMap, plan.bounces > 0);
     if (hasCoarseBand(plan, side))
       bytes += maps(Storage::kSnorm8, side / 2, coarseMips(plan, side / 2), coarse_quads + 1) +
                tables(Storage::kSnorm8, coarse_quads, plan.coarse_phis);
@@ -290,13 +297,14 @@ namespace {
 
 constexpr int kTrialSweeps = 2;  // enough to rank candidates
 
-FusedPlan presetPlan(const CookOptions& options, int surface_side) {
+FusedPlan presetPlan(const CookOptions& options, const BakedSurface& surface) {
   FusedPlan plan;
   if (options.preset == Preset::kReference)
     plan = {.y_components = 32, .flat_scale = 2, .phis = 25, .coarse_y = 16, .coarse_phis = 25};
   if (options.near == Near::kSurface) {
-    plan.surface_side = surface_side;
+    plan.surface_side = surface.side;
     plan.visibility = options.visibility;
+    plan.bounces = surface.bounces;
     if (options.y_components) plan.coarse_y = options.y_components;
   }
   if (options.y_components) plan.y_components = options.y_components;
@@ -313,13 +321,14 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   if (!levels) return levels.issue();
   auto btf = loadYcc(source, options.threads);
   if (!btf) return btf.issue();
-  FusedPlan plan = presetPlan(options, surface.side);
+  FusedPlan plan = presetPlan(options, surface);
   std::vector<TradePoint> measured;
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
     if (!baked) return baked.issue();
     Goal goal{options.max_bytes, options.target_rmse, options.levels};
     goal.surface_side = plan.surface_side;
+    goal.bounces = plan.bounces;
     Progress progress("cook " + source.name() + ": trying plans", uint64_t(mostTrials(goal, baked->side())),
                       options.quiet);
     std::map<int, VdimAtlasSize> atlases;  // by side of the geometry image

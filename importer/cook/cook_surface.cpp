@@ -43,8 +43,11 @@ Result<Material> cookSurface(const BakedOutput& input, const CookOptions& option
   if (!m.geometry.empty()) atlas = chooseAtlas(m.geometry, m.side, options.threads);
   m.atlas = atlas.size;
   progress.advance(2);
-  m.surface = nearMaps(*baked, m.geometry, m.side,
-                       {.visibility = options.visibility.value_or(Visibility::kNone)}, options.threads);
+  // Without shadows there is too much light already.
+  const Visibility visibility = options.visibility.value_or(Visibility::kNone);
+  const int bounces = visibility == Visibility::kNone ? 0 : baked->bounces;
+  m.surface =
+      nearMaps(*baked, m.geometry, m.side, {.visibility = visibility, .bounces = bounces}, options.threads);
   m.lambda_max = std::max(m.surface->lambda_first + static_cast<float>(m.surface->color.mips - 1), 0.0f);
   // As published the indirection map itself is stored; it is also the only one where there is no geometry.
   if ((options.preset == Preset::kSeed || m.geometry.empty()) && !manifest.vdims.empty()) {

@@ -21,7 +21,9 @@ struct FusedPlan {
   // flat-domain band, which the next fields up to `phis` describe.
   int surface_side = 0;
   std::optional<Visibility> visibility = {};  // of the near term; empty: what measures best
-  int y_components = 20;                      // of the flat-domain band
+  int bounces =
+      0;  // above 0: the near term has light that the tile reflects so often, where it is closer by it
+  int y_components = 20;  // of the flat-domain band
   int chroma_components =
       0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
   Storage storage = Storage::kSnorm8;  // of the flat-domain band
@@ -39,12 +41,18 @@ struct FusedPlan {
 // Flat texels along one side, for a reference side.
 int flatSide(const FusedPlan& plan, int side);
 
+// RMSE of Y at lambda 0 with light that comes by way of the tile, and without; it is kept where that is less.
+struct IndirectTrial {
+  double with = 0, without = 0;
+};
+
 struct FusedFit {
   Material material;
   // At lambda 0 and sampled directions through the shader's default lookup; with a near term at random ones
   // of these, of the mean of four evaluations a texel.
   BtfError error;
   std::optional<SampledError> near, near_at_centres;  // with a near term: of four evaluations, and of one
+  std::optional<IndirectTrial> indirect;              // where the plan has bounces
   std::vector<LevelTrial> levels;                     // that what each level is shown by was chosen by
   std::vector<AtlasTrial> atlases;                    // that were measured, if the plan names none
 };

@@ -83,7 +83,7 @@ class Search {
  private:
   std::vector<FusedPlan> plans() const {
     std::vector<FusedPlan> all = structures(geometry_side_, goal_.surface_side);
-    for (FusedPlan& plan : all) plan.levels = goal_.levels;
+    for (FusedPlan& plan : all) plan.levels = goal_.levels, plan.bounces = goal_.bounces;
     return all;
   }
   FusedPlan smallest() const { return withComponents(plans().front(), 4); }

@@ -21,6 +21,7 @@ struct Goal {
   int levels = 0;  // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level
                    // is read, so it cannot choose them
   int surface_side = 0;  // of the baked maps that a near term is made of; 0: plans have a flat-domain band
+  int bounces = 0;       // FusedPlan::bounces of every plan
 };
 
 struct Choice {

@@ -126,6 +126,9 @@ std::string cookMeta(const Material& material, const std::string& input, const s
                     {"visibility", visibilityName(maps.visibility)},
                     {"side", maps.color.width},
                     {"bytes", surfaceBytes(material)}};
+    if (maps.indirect.width > 0) meta["near"]["indirect"] = true;
+    if (fit && fit->indirect)
+      meta["near"]["indirect_rmse_y"] = {{"with", fit->indirect->with}, {"without", fit->indirect->without}};
     if (fit && !fit->levels.empty()) meta["near"]["fade"] = {maps.fade_begin, maps.fade_end};
   }
   if (fit)

@@ -8,6 +8,8 @@
 #include "importer/tile/charts.h"
 #include "importer/tile/mesh_material.h"
 #include "material/asset/asset.h"
+#include "material/eval/near_term.h"
+#include "material/model/color.h"
 #include "material/model/environment.h"
 
 namespace loden::importer {
@@ -113,11 +115,9 @@ std::vector<glm::dvec3> ambientDirections() {
 }
 
 // T_k of every texel, in column k (SurfaceMaps::ambient).
-Matrix ambientTransfer(const GeometryImage& image, int side, int threads) {
-  const std::vector<glm::dvec3> directions = ambientDirections();
-  const Matrix lit = surfaceLight(image, side, directions, kPointsAcross, threads).lit;
+Matrix ambientTransfer(const Matrix& lit, std::span<const glm::dvec3> directions) {
   const double measure = 2.0 / double(directions.size());  // dw / pi
-  Matrix transfer(side * side, 2 * 4);
+  Matrix transfer(lit.rows, 2 * 4);
   for (int l = 0; l < lit.cols; ++l) {
     const glm::dvec3& w = directions[size_t(l)];
     const double basis[kEnvironmentBasis] = {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y};
@@ -127,17 +127,38 @@ Matrix ambientTransfer(const GeometryImage& image, int side, int threads) {
   return transfer;
 }
 
-// Values within -1..1, four columns a layer; mips are averages inside one chart.
-Texture mapOf(Matrix values, int side, int mips, std::vector<uint16_t> owners) {
-  const int layers = values.cols / 4;
+// Values within -1..1, four columns a layer.
+glm::vec4 storedAsTheyAre(const Matrix& values, int texel, int layer) {
+  glm::vec4 stored;
+  for (int c = 0; c < 4; ++c) stored[c] = static_cast<float>(values(texel, 4 * layer + c));
+  return stored;
+}
+
+// indirectLight as SurfaceMaps::indirect holds it: all channels depend on the direction as the luminance
+// does, and keep their irradiance by a white sky.
+glm::vec4 storedIndirect(const Matrix& values, int texel, int layer) {
+  const auto rgb = [&](int k) {
+    return glm::dvec3(values(texel, k), values(texel, kIndirectTerms + k),
+                      values(texel, 2 * kIndirectTerms + k));
+  };
+  glm::dvec4 luma;
+  for (int k = 0; k < kIndirectTerms; ++k) luma[k] = yccFromRgb(rgb(k)).x;
+  const glm::dvec3 sky = glm::max(rgb(0) + 2.0 / 3 * rgb(1), glm::dvec3(0));
+  const double sky_luma = yccFromRgb(sky).x;
+  const double most = std::max({std::abs(luma.x), std::abs(luma.y), std::abs(luma.z), std::abs(luma.w)});
+  if (!(sky_luma > 0)) return glm::vec4(0);
+  return layer == 0 ? glm::vec4(glm::sqrt(sky * (most / sky_luma)), 0) : glm::vec4(luma / most);
+}
+
+// Mips are averages of the values inside one chart; stored(values, texel, layer) is what a texel holds.
+template <class Stored>
+Texture mapOf(Matrix values, int layers, const Stored& stored, int side, int mips,
+              std::vector<uint16_t> owners) {
   Texture texture = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, layers, mips);
   for (int mip = 0; mip < mips; ++mip) {
     for (int t = 0; t < side * side; ++t)
-      for (int layer = 0; layer < layers; ++layer) {
-        glm::vec4 texel;
-        for (int c = 0; c < 4; ++c) texel[c] = static_cast<float>(values(t, 4 * layer + c));
-        storeTexel(texture, mip, t % side, t / side, layer, texel);
-      }
+      for (int layer = 0; layer < layers; ++layer)
+        storeTexel(texture, mip, t % side, t / side, layer, stored(values, t, layer));
     if (mip + 1 == mips) break;
     const auto coarse_owners = owners.empty() ? owners : halvedOwners(side, owners);
     const int half = side / 2;
@@ -161,8 +182,8 @@ void addShadow(SurfaceMaps& maps, const GeometryImage& image, int mips, std::vec
   const SurfaceLight light =
       surfaceLight(image, side, shadowDirections(kShadowTable), kPointsAcross, threads);
   const Factors factors = fitShadow(light, kShadowComponents, threads);
-  maps.shadow = mapOf(factors.weights, side, mips, std::move(owners));
   const int layers = kShadowComponents / 4;
+  maps.shadow = mapOf(factors.weights, layers, storedAsTheyAre, side, mips, std::move(owners));
   maps.shadow_table =
       Texture::make(TexelFormat::kRGBA16Sfloat, TextureShape::kArray2D, kShadowTable, kShadowTable, layers);
   for (int d = 0; d < kShadowTable * kShadowTable; ++d)
@@ -173,12 +194,22 @@ void addShadow(SurfaceMaps& maps, const GeometryImage& image, int mips, std::vec
     }
 }
 
+// What each texel of a side x side map returns of diffuse light.
+std::vector<glm::vec3> albedoOf(const SurfaceMaps& maps, int side) {
+  std::vector<glm::vec3> albedo;
+  for (int t = 0; t < side * side; ++t) {
+    const glm::vec2 p = (glm::vec2(t % side, t / side) + 0.5f) / float(side);
+    albedo.push_back(nearAlbedo(maps.lobe, nearPoint(maps, p, maps.ambient_first)));
+  }
+  return albedo;
+}
+
 }  // namespace
 
 Result<BakedSurface> bakedSurface(const BakedOutput& input) {
   auto maps = input.surface();
   if (!maps) return maps.issue();
-  return BakedSurface{std::move(*maps), input.manifest().surface_size};
+  return BakedSurface{std::move(*maps), input.manifest().surface_size, input.manifest().bounces};
 }
 
 SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, int side,
@@ -220,20 +251,26 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
   }
   maps.ambient_first = std::log2(float(side) / float(ambient_side));
   const int ambient_mips = mipsOf(ambient_side, side, options.with_bands);
+  const std::vector<glm::dvec3> directions = ambientDirections();
+  const Matrix lit = surfaceLight(geometry, ambient_side, directions, kPointsAcross, threads).lit;
   maps.ambient =
-      mapOf(ambientTransfer(geometry, ambient_side, threads), ambient_side, ambient_mips, ambient_owners);
+      mapOf(ambientTransfer(lit, directions), 2, storedAsTheyAre, ambient_side, ambient_mips, ambient_owners);
+  if (options.bounces > 0 && !geometry.empty())
+    maps.indirect = mapOf(indirectLight(geometry, ambient_side, lit, directions, albedoOf(maps, ambient_side),
+                                        options.bounces, kPointsAcross, threads),
+                          2, storedIndirect, ambient_side, ambient_mips, ambient_owners);
   if (maps.visibility == Visibility::kMap) addShadow(maps, geometry, ambient_mips, ambient_owners, threads);
   if (options.with_bands) maps.fade_begin = kNearFadeBegin, maps.fade_end = kNearFadeEnd;
   return maps;
 }
 
-uint64_t nearBytes(int surface_side, int side, bool with_bands, bool shadow) {
+uint64_t nearBytes(int surface_side, int side, bool with_bands, bool shadow, bool indirect) {
   const int ambient_side = std::min(side, surface_side);
   const auto bytes = [&](int of, int layers) {
     return textureBytes(TexelFormat::kRGBA8Snorm, uint64_t(of), uint64_t(of), uint64_t(layers),
                         mipsOf(of, side, with_bands));
   };
-  uint64_t sum = 2 * bytes(surface_side, 1) + bytes(ambient_side, 2);
+  uint64_t sum = 2 * bytes(surface_side, 1) + bytes(ambient_side, indirect ? 4 : 2);
   if (shadow)
     sum += bytes(ambient_side, kShadowComponents / 4) +
            textureBytes(TexelFormat::kRGBA16Sfloat, kShadowTable, kShadowTable, kShadowComponents / 4, 1);

@@ -10,6 +10,7 @@ namespace loden::importer {
 struct BakedSurface {
   BakedOutput::Surface maps;
   int side = 0;
+  int bounces = 0;  // of the light that the BTF was baked with
 };
 Result<BakedSurface> bakedSurface(const BakedOutput& input);
 
@@ -17,6 +18,7 @@ struct NearOptions {
   int reduced = 1;          // every side by this, a power of two
   bool with_bands = false;  // maps end where bands take over, at kNearFadeEnd; else at one texel
   Visibility visibility = Visibility::kNone;  // kMap: with a shadow map
+  int bounces = 0;  // above 0: with the map of light that the tile reflects so often, if there is geometry
 };
 
 // Near maps are read one level finer than what is shown: a mean over a texel's surface is not the mean of
@@ -37,7 +39,7 @@ SurfaceMaps nearMaps(const BakedSurface& baked, const GeometryImage& geometry, i
 // Components of the shadow map, and directions per side of its table.
 inline constexpr int kShadowComponents = 8, kShadowTable = 13;
 
-// Raw bytes of these maps; `shadow`: with the shadow map.
-uint64_t nearBytes(int surface_side, int side, bool with_bands, bool shadow);
+// Raw bytes of these maps; `shadow`: with the shadow map, `indirect`: with that of indirect light.
+uint64_t nearBytes(int surface_side, int side, bool with_bands, bool shadow, bool indirect);
 
 }  // namespace loden::importer

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "importer/bake/bake.h"
+#include "importer/base/random.h"
 #include "importer/cook/cook.h"
 #include "importer/cook/level_choice.h"
 #include "importer/fit/sampled_error.h"
@@ -87,16 +88,19 @@ TEST_F(FitNear, DoesNotDependOnThreads) {
   }
 }
 
+GeometryImage bumps(int side) {
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < side * side; ++t) {
+    const glm::dvec2 p = (glm::dvec2(t % side, t / side) + 0.5) / double(side);
+    positions.emplace_back(p, 0.12 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1));
+  }
+  return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), true);
+}
+
 // Bumps that shade each other: the clamped sum of eight components leaves half of what a plain one does.
 TEST(SurfaceLight, FitsTheEdgesOfShadows) {
   constexpr int kSide = 32;
-  std::vector<glm::dvec3> positions;
-  for (int t = 0; t < kSide * kSide; ++t) {
-    const glm::dvec2 p = (glm::dvec2(t % kSide, t / kSide) + 0.5) / double(kSide);
-    positions.emplace_back(p, 0.12 * (std::cos(2 * kPi * p.x) * std::cos(2 * kPi * p.y) - 1));
-  }
-  const GeometryImage image =
-      encodeGeometryImage(kSide, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  const GeometryImage image = bumps(kSide);
   const std::vector<glm::dvec3> directions = shadowDirections(9);
   const SurfaceLight light = surfaceLight(image, kSide, directions, 2, 0);
   const auto errorOf = [&](const Factors& f) {
@@ -119,6 +123,76 @@ TEST(SurfaceLight, FitsTheEdgesOfShadows) {
   EXPECT_LT(fitted, 0.2) << "of what no shadows at all leave";
 }
 
+// Directions of equal solid angle.
+std::vector<glm::dvec3> equalDirections(int rows) {
+  std::vector<glm::dvec3> directions;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < 2 * rows; ++column)
+      directions.push_back(
+          directionFromSpherical({std::acos((row + 0.5) / rows), kPi * (column + 0.5) / rows}));
+  return directions;
+}
+
+// A white surface under a white sky reflects it everywhere, however deep, once all light has found its way
+// out.
+TEST(SurfaceLight, WhiteSurfacesUnderAWhiteSkyAreWhite) {
+  constexpr int kSide = 24, kBounces = 40;
+  const GeometryImage image = bumps(kSide);
+  const std::vector<glm::dvec3> directions = equalDirections(8);
+  const Matrix lit = surfaceLight(image, kSide, directions, 2, 0).lit;
+  const std::vector<glm::vec3> albedo(size_t(kSide * kSide), glm::vec3(1));
+  const Matrix indirect = indirectLight(image, kSide, lit, directions, albedo, kBounces, 2, 0);
+  double least = 1;
+  for (int t = 0; t < kSide * kSide; ++t) {
+    double sky = 0;
+    for (int l = 0; l < lit.cols; ++l) sky += lit(t, l) * 2.0 / double(directions.size());
+    least = std::min(least, sky);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(sky + indirect(t, 4 * c) + 2.0 / 3 * indirect(t, 4 * c + 1), 1, 0.04) << t;
+  }
+  EXPECT_LT(least, 0.85) << "too shallow to say something";
+}
+
+// One bounce, colour by colour, is what rays gather light by light.
+TEST(SurfaceLight, IndirectLightIsThatOfRays) {
+  constexpr int kSide = 24;
+  const GeometryImage image = bumps(kSide);
+  const GeometryTracer tracer(image);
+  const std::vector<glm::dvec3> directions = equalDirections(6);
+  const Matrix lit = surfaceLight(image, kSide, directions, 2, 0).lit;
+  std::vector<glm::vec3> albedo;
+  for (int t = 0; t < kSide * kSide; ++t)
+    albedo.push_back(t % kSide < kSide / 2 ? glm::vec3(0.9f, 0.4f, 0.1f) : glm::vec3(0.2f, 0.4f, 0.8f));
+  const Matrix indirect = indirectLight(image, kSide, lit, directions, albedo, 1, 2, 0);
+  double squares[3] = {}, all[3] = {};
+  for (int t = 5; t < kSide * kSide; t += 37) {
+    const auto point = surfaceAt<double>(image, (glm::dvec2(t % kSide, t / kSide) + 0.5) / double(kSide));
+    std::vector<glm::dvec3> gathered(directions.size(), glm::dvec3(0));
+    constexpr int kRays = 24;
+    for (int k = 0; k < kRays * kRays; ++k) {
+      const auto hit =
+          tracer.trace(point.position + 2e-3 * point.normal,
+                       cosineDirection(point.normal, (k % kRays + 0.5) / kRays, (k / kRays + 0.5) / kRays));
+      if (!hit) continue;
+      const glm::dvec2 p = hit->p - glm::floor(hit->p);
+      const glm::dvec3 color(albedo[size_t(int(p.y * kSide) * kSide + int(p.x * kSide))]);
+      for (size_t l = 0; l < directions.size(); ++l) {
+        const double cosine = glm::dot(hit->normal, directions[l]);
+        if (cosine > 0 && !tracer.occluded(hit->position + 2e-3 * hit->normal, directions[l]))
+          gathered[l] += color * (cosine / (kRays * kRays));
+      }
+    }
+    for (size_t l = 0; l < directions.size(); ++l)
+      for (int c = 0; c < 3; ++c) {
+        const glm::dvec3& w = directions[l];
+        const double value = w.z * (indirect(t, 4 * c) + indirect(t, 4 * c + 1) * w.z +
+                                    indirect(t, 4 * c + 2) * w.x + indirect(t, 4 * c + 3) * w.y);
+        squares[c] += std::pow(value - gathered[l][c], 2), all[c] += gathered[l][c] * gathered[l][c];
+      }
+  }
+  for (int c = 0; c < 3; ++c) EXPECT_LT(std::sqrt(squares[c] / all[c]), 0.25);
+}
+
 // Without surface, or on a plane, all light arrives.
 TEST(SurfaceLight, NothingShadesAPlane) {
   const std::vector<glm::dvec3> directions = shadowDirections(5);
@@ -133,11 +207,68 @@ TEST(SurfaceLight, NothingShadesAPlane) {
   for (const double e : factors.basis.data) EXPECT_NEAR(e, 0, 1e-9);
 }
 
+TEST(SurfaceLight, APlaneSendsItselfNothing) {
+  std::vector<glm::dvec3> positions;
+  for (int t = 0; t < 64; ++t) positions.emplace_back((t % 8 + 0.5) / 8, (t / 8 + 0.5) / 8, 0);
+  const GeometryImage plane =
+      encodeGeometryImage(8, positions, std::vector<uint16_t>(positions.size(), 1), true);
+  const std::vector<glm::dvec3> directions = equalDirections(4);
+  const Matrix lit = surfaceLight(plane, 8, directions, 2, 0).lit;
+  const Matrix none =
+      indirectLight(plane, 8, lit, directions, std::vector<glm::vec3>(64, glm::vec3(1)), 3, 2, 0);
+  for (const double value : none.data) EXPECT_EQ(value, 0);
+}
+
+// Light that was reflected more than once makes the near term closer, and costs what the map has.
+TEST(CookNear, LightByWayOfTheTileIsPartOfIt) {
+  std::string folder = (std::filesystem::temp_directory_path() / "loden_bounced_XXXXXX").string();
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  BakeOptions options;
+  options.size = 16;
+  options.geometry_size = 64;
+  options.directions = concentricDirections(5);
+  options.vdims = {};
+  options.bounces = 2;
+  options.supersample = 4;  // one path for each sample
+  options.maps = {.btf = true, .flat = false, .vdim = false, .surface = true};
+  options.quiet = true;
+  ASSERT_TRUE(bake(*builtinTile("sponge"), "builtin:sponge", folder, options).ok());
+  const auto baked = BakedOutput::open(folder);
+  const auto cooked = [&](int threads, std::optional<Visibility> visibility = {}, Mode mode = Mode::kFused) {
+    auto material = cook(*baked, {.mode = mode, .visibility = visibility, .threads = threads, .quiet = true});
+    EXPECT_TRUE(material.ok());
+    return std::move(*material);
+  };
+  const Material with = cooked(1);
+  const auto meta = nlohmann::json::parse(with.meta_json);
+  EXPECT_EQ(meta["near"]["indirect"], true);
+  const auto source = bakedSource(*baked);
+  const auto btf = loadYcc(**source, 0);
+  const auto errorOf = [&](const Material& m) {
+    return sampledError(Evaluator(m), *btf, (*source)->lights(), (*source)->views(), 2, 4000, 0)
+        .channel[0]
+        .rmse();
+  };
+  Material without = with;
+  without.surface->indirect = {};
+  // Most of what is left is the bake's noise.
+  EXPECT_LT(errorOf(with), 0.9 * errorOf(without)) << errorOf(with) << " and " << errorOf(without);
+  EXPECT_EQ(with.surface->indirect.mips, with.surface->ambient.mips);
+  const auto one = serializeAsset(with), three = serializeAsset(cooked(3));
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_TRUE(*one == *three);
+  EXPECT_EQ(cooked(0, Visibility::kNone, Mode::kSurface).surface->indirect.width, 0) << "as published";
+  EXPECT_GT(cooked(0, Visibility::kFast, Mode::kSurface).surface->indirect.width, 0);
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(FitNear, SaysWhatItMeasured) {
   const Material material = cooked({});
   const auto meta = nlohmann::json::parse(material.meta_json);
   EXPECT_EQ(meta["near"]["lobe"], "phong");
   EXPECT_EQ(meta["near"]["side"], 32);
+  EXPECT_FALSE(meta["near"].contains("indirect")) << "direct light alone was baked";
+  EXPECT_EQ(material.surface->indirect.width, 0);
   EXPECT_EQ(meta["error"]["evaluations"], 4);
   EXPECT_LT(double(meta["error"]["y"]["rmse"]), double(meta["error_of_one_evaluation"]["y"]["rmse"]) * 1.05);
   EXPECT_NEAR(double(meta["error"]["y"]["rmse"]), errorOf(material), 0.2 * errorOf(material));

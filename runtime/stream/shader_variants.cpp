@@ -107,6 +107,7 @@ std::optional<MaterialVariant> marchVariant(const MaterialVariant& variant) {
   marched.bands = 0;
   marched.visibility = Visibility::kNone;
   marched.shadow_quads = 0;
+  marched.indirect = false;
   marched.lookup = Lookup::kFast;  // that is not called
   return marched;
 }

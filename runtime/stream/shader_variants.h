@@ -127,8 +127,9 @@ struct LambdaRange {
 // and uniform block are bound as for the material's own variant.
 MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range);
 
-// The variant that parallax occlusion mapping draws a material with: its near term without cast shadows and
-// without bands. None: it has no near term, or is no height field. Texture units and uniform block stay.
+// The variant that parallax occlusion mapping draws a material with: its near term without cast shadows,
+// indirect light and bands. None: it has no near term, or is no height field. Texture units and uniform block
+// stay.
 std::optional<MaterialVariant> marchVariant(const MaterialVariant& variant);
 
 // Texture units that the material's textures take, from its first on (shaders/loden_shared.h).

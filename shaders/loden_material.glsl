@@ -159,7 +159,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
 #else
   if (fade > 0.0 && share > 0.0) {
 #endif
-    LodenVdimHit found = loden_vdim_lookup(m, x, wo);
+    LodenVdimHit found = loden_vdim_lookup(m, x, hit.lambda, wo);
     hit.p = mix(x, found.p, fade);
     hit.depth = found.height * fade * min(2.0 * share, 1.0);
 #ifdef LODEN_FOLLOW_SURFACE

@@ -150,18 +150,26 @@ float loden_mapped_visibility(LodenNear near, vec3 wi) {
 #endif
 
 #ifdef LODEN_HEIGHT_FIELD
-// Over a flat reference surface: whether the height field leaves the ray from P free. What is near to P is
-// its own surface.
-bool loden_height_field_lets_by(LodenMaterial m, vec3 position, vec2 exit_, vec3 wi) {
-  LodenViewRay ray = loden_view_ray(m, exit_, wi);
+// Over a flat reference surface: the share of a pixel's footprint from which the height field leaves the ray
+// free, from how closely the ray from P passes it.
+float loden_height_field_visibility(LodenMaterial m, LodenHit hit, vec3 wi, vec2 exit_, vec3 leaving) {
+  LodenViewRay ray = loden_view_ray(m, exit_, leaving);
+  float per_length = max(sqrt(dot(ray.slope, ray.slope)), 1e-6);
   float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
-  float lowest = position.z + max(LODEN_BIAS, own / max(sqrt(dot(ray.slope, ray.slope)), 1e-6));
-  return lowest >= 0.0 || !loden_march(ray, lowest, LODEN_LIGHT_EFFORT).found;
+  float lowest = hit.position.z + max(LODEN_BIAS, own / per_length);
+  if (lowest >= 0.0) return 1.0;
+  // A step along the surface towards the light takes the ray down by that much; the surface itself, which is
+  // not sampled within `own`, shall not shade it.
+  float facing = clamp(dot(hit.near.normal, wi) / max(hit.near.normal.z * wi.z, 1e-3), 0.0, 1.0);
+  float footprint = exp2(hit.lambda) / loden_material.side;
+  float half_ = max(min(0.5 * footprint, 0.9 * own) * facing / per_length, 1e-6);
+  float rise = loden_height_field_rise(ray, lowest, half_, loden_effort_over(LODEN_LIGHT_EFFORT, hit.lambda));
+  return clamp(0.5 - 0.5 * rise / half_, 0.0, 1.0);
 }
 #endif
 
-// V(P, wi): false where the lookup along wi meets the tile before P.
-bool loden_light_reaches(LodenHit hit, vec3 wi) {
+// V(P, wi): 0 where the lookup along wi meets the tile before P.
+float loden_looked_up_visibility(LodenHit hit, vec3 wi) {
   // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
   wi = loden_clamp_theta(wi, vec4(0.0, LODEN_VDIM_COS, LODEN_VDIM_SIN, 0.0));
   LodenMaterial m = loden_material_default();
@@ -178,7 +186,7 @@ bool loden_light_reaches(LodenHit hit, vec3 wi) {
   vec2 tilt = turn * rise;
   leaving = vec3(wi.xy - tilt * wi.z, wi.z + dot(tilt, wi.xy));
   leaving /= sqrt(dot(leaving, leaving));
-  if (leaving.z <= 0.0) return true;  // along a convex surface, past it
+  if (leaving.z <= 0.0) return 1.0;  // along a convex surface, past it
   // P as a height of that ray.
   vec2 out_ = loden_bounded_slope(leaving);
   float out_bend = dot(out_, hit.curvature * out_);
@@ -187,13 +195,15 @@ bool loden_light_reaches(LodenHit hit, vec3 wi) {
 #endif
   vec2 exit_ = hit.position.xy + hit.x_from_tangent * slope * rise;
 #ifdef LODEN_HEIGHT_FIELD
-  if (bias == LODEN_BIAS) return loden_height_field_lets_by(m, hit.position, exit_, leaving);
+  if (bias == LODEN_BIAS) return loden_height_field_visibility(m, hit, wi, exit_, leaving);
 #endif
-  LodenVdimHit first = loden_atlas_lookup(m, exit_, leaving, LODEN_LIGHT_EFFORT);
+  LodenVdimHit first =
+      loden_atlas_lookup(m, exit_, leaving, loden_effort_over(LODEN_LIGHT_EFFORT, hit.lambda));
   float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
   vec2 beside = first.p - hit.p;
   beside -= floor(beside + 0.5);
-  return first.missed || first.height <= height + bias || dot(beside, beside) < own * own;
+  bool reaches = first.missed || first.height <= height + bias || dot(beside, beside) < own * own;
+  return reaches ? 1.0 : 0.0;
 }
 #endif
 
@@ -204,13 +214,13 @@ vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
   indirect = loden_indirect_light(hit.near, wi);
 #endif
   if (dot(hit.near.mapped, wi) <= 0.0) return indirect;
-#ifdef LODEN_VISIBILITY
-  if (hit.relief && !hit.missed && !loden_light_reaches(hit, wi)) return indirect;
+  float visibility = 1.0;
+#if defined(LODEN_VISIBILITY)
+  if (hit.relief && !hit.missed) visibility = loden_looked_up_visibility(hit, wi);
+#elif defined(LODEN_VISIBILITY_MAP)
+  visibility = loden_mapped_visibility(hit.near, wi);
 #endif
-  vec3 open = loden_evaluate_near(hit.near, wi, wo);
-#ifdef LODEN_VISIBILITY_MAP
-  open *= loden_mapped_visibility(hit.near, wi);
-#endif
-  return open + indirect;
+  if (visibility <= 0.0) return indirect;
+  return visibility * loden_evaluate_near(hit.near, wi, wo) + indirect;
 }
 #endif  // LODEN_NEAR

@@ -4,15 +4,34 @@
 // visit of a patch one gather, and per candidate depth one fetch. A ray that bends much does so for several
 // anchors.
 
-// What a lookup spends. One of these, constant where it is called.
+const float LODEN_INSIDE = 0.1;         // texels beyond a patch at which its extension still counts
+const float LODEN_INSIDE_SHARE = 0.05;  // of the footprint: the same
+const float LODEN_INSIDE_MOST = 0.5;    // the same, at most
+const float LODEN_STEP_SHARE = 0.25;    // of the footprint: steps of the march
+const float LODEN_COARSE = 3.0;         // texels of a footprint that a single direction's depths do for
+
+// What a lookup spends. One of the constants, but for what grows with the footprint that the answer is shown
+// over. Lengths are in texels of the geometry image.
 struct LodenEffort {
   int layers;     // directions of the atlas whose depths are read: 1 or 3
   int visits;     // of patches, at most
-  float texels;   // of the march: steps along the plane, in texels of the height field
+  float step_;    // of the march, along the plane
   float samples;  // of the march, at most
+  float inside;   // beyond a patch, at which its extension still counts as the surface
 };
-const LodenEffort LODEN_EFFORT_FAST = LodenEffort(1, 18, 2.0, 16.0);
-const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 36, 1.0, 32.0);
+const LodenEffort LODEN_EFFORT_FAST = LodenEffort(1, 18, 2.0, 16.0, LODEN_INSIDE);
+const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 36, 1.0, 32.0, LODEN_INSIDE);
+
+// Of an answer that is shown at that level of detail, which hides what is finer.
+LodenEffort loden_effort_over(LodenEffort effort, float lambda) {
+  float footprint = exp2(lambda) * loden_material.geometry_side / loden_material.side;
+  bool coarse = effort.layers > 1 && footprint > LODEN_COARSE;
+  effort.layers = coarse ? LODEN_EFFORT_FAST.layers : effort.layers;
+  effort.visits = coarse ? LODEN_EFFORT_FAST.visits : effort.visits;
+  effort.step_ = max(effort.step_, LODEN_STEP_SHARE * footprint);
+  effort.inside = clamp(LODEN_INSIDE_SHARE * footprint, LODEN_INSIDE, LODEN_INSIDE_MOST);
+  return effort;
+}
 #ifdef LODEN_LOOKUP_FAST
 #define LODEN_EFFORT LODEN_EFFORT_FAST
 #else
@@ -20,7 +39,6 @@ const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 36, 1.0, 32.0);
 #endif
 
 const float LODEN_REACH = 3.0;               // texels that one visit may move by
-const float LODEN_INSIDE = 0.1;              // texels beyond a patch at which its extension still counts
 const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
 const int LODEN_EACH = 6;                    // visits for each candidate depth
 const int LODEN_BENT_EACH = 6;               // the same of a bent ray, whose direction changes on the way
@@ -348,34 +366,57 @@ struct LodenMarch {
   bool found;                  // false: none is below, and all of this is of the two lowest
 };
 
-// Between the bounds that depths of the nearest directions set, and not below `lowest`.
-LodenMarch loden_march(LodenViewRay ray, float lowest, LodenEffort effort) {
+// The part of a straight ray that is marched: between the bounds that depths of the nearest directions set,
+// and not below `lowest`.
+struct LodenStretch {
+  float top, step_, samples;  // z; step_ <= 0
+};
+LodenStretch loden_marched_stretch(LodenViewRay ray, float lowest, LodenEffort effort) {
   float range = loden_material.geometry_range.z;
   LodenNearestLayers nearest = loden_nearest_layers(loden_material.atlas_directions,
                                                     loden_vdim_square_from_view(loden_view_along(ray.slope)));
-  vec4 z = loden_gather_depths(nearest.index.x, ray.x);
-  vec4 high = z, low = z;
-  if (effort.layers > 1) {
-    vec4 z1 = loden_gather_depths(nearest.index.y, ray.x), z2 = loden_gather_depths(nearest.index.z, ray.x);
-    high = max(high, max(z1, z2));
-    low = min(low, min(z1, z2));
-  }
+  float high = -range, low = 0.0;
+  int layer = 0;
+  do {
+    vec4 z = loden_gather_depths(nearest.index[layer], ray.x);
+    high = max(high, max(max(z.x, z.y), max(z.z, z.w)));
+    low = min(low, min(min(z.x, z.y), min(z.z, z.w)));
+  } while (++layer < effort.layers);
   lowest = max(lowest, -range);
-  float top = clamp(max(max(high.x, high.y), max(high.z, high.w)) + LODEN_MARGIN * range, lowest, 0.0);
-  float bottom = max(min(min(low.x, low.y), min(low.z, low.w)) - LODEN_MARGIN * range, lowest);
+  float top = clamp(high + LODEN_MARGIN * range, lowest, 0.0);
+  float bottom = max(low - LODEN_MARGIN * range, lowest);
   float travel = (top - bottom) * sqrt(dot(ray.slope, ray.slope)) * loden_material.geometry_side;
-  float samples = clamp(ceil(travel / effort.texels), 2.0, effort.samples);
-  float step_ = min(bottom - top, 0.0) / samples;
-  LodenMarch march = LodenMarch(top, top, 0.0, -1e-4 * range, false);
+  float samples = clamp(ceil(travel / effort.step_), 2.0, effort.samples);
+  return LodenStretch(top, min(bottom - top, 0.0) / samples, samples);
+}
+
+LodenMarch loden_march(LodenViewRay ray, LodenEffort effort) {
+  float range = loden_material.geometry_range.z;
+  LodenStretch stretch = loden_marched_stretch(ray, LODEN_NONE, effort);
+  float samples = stretch.samples;
+  LodenMarch march = LodenMarch(stretch.top, stretch.top, 0.0, -1e-4 * range, false);
   do {
     march.above = march.below;
     march.gap_above = march.gap_below;
-    march.below += step_;
+    march.below += stretch.step_;
     march.gap_below = loden_height_at(ray.x + ray.slope * march.below) - march.below;
     march.found = march.gap_below >= -LODEN_TOUCHING * range;
     samples = march.found ? 0.0 : samples - 1.0;
   } while (samples > 0.0);
   return march;
+}
+
+// By how much the height field rises above a straight ray at most, above z = `lowest`; negative where the ray
+// clears it. Of samples up to the first that is `enough` above.
+float loden_height_field_rise(LodenViewRay ray, float lowest, float enough, LodenEffort effort) {
+  LodenStretch stretch = loden_marched_stretch(ray, lowest, effort);
+  float z = stretch.top, samples = stretch.samples, rise = LODEN_NONE;
+  do {
+    z += stretch.step_;
+    rise = max(rise, loden_height_at(ray.x + ray.slope * z) - z);
+    samples = rise >= enough ? 0.0 : samples - 1.0;
+  } while (samples > 0.0);
+  return rise;
 }
 
 // z at which the straight ray meets the bilinear patch that it is over at z, or its extension: along the ray
@@ -396,7 +437,7 @@ float loden_meet_height(LodenViewRay ray, float z) {
 }
 
 LodenVdimHit loden_height_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
-  LodenMarch march = loden_march(ray, LODEN_NONE, effort);
+  LodenMarch march = loden_march(ray, effort);
   float share = march.gap_above / min(march.gap_above - march.gap_below, -1e-9);
   float z = loden_meet_height(ray, march.found ? mix(march.above, march.below, share) : march.below);
   vec2 offset = ray.slope * z;
@@ -450,7 +491,7 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
       h = visit.h;
       p = visit.p;
       float next = loden_highest_below(depths, layers, below);
-      left = found.miss <= LODEN_INSIDE || (again == 0 && next < LODEN_NONE) ? 0 : left - 1;
+      left = found.miss <= effort.inside || (again == 0 && next < LODEN_NONE) ? 0 : left - 1;
       if (again == 0) {
         h = next;
         below = next - LODEN_SEPARATION * depth;
@@ -461,10 +502,10 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
     ++anchor;
   }
 #ifdef LODEN_FOLLOW_SURFACE
-  while (ray.bent && found.miss > LODEN_INSIDE && anchor < path.anchors);
+  while (ray.bent && found.miss > effort.inside && anchor < path.anchors);
 #endif
   LodenVdimHit hit;
-  hit.converged = found.miss <= LODEN_INSIDE;
+  hit.converged = found.miss <= effort.inside;
   hit.missed = !hit.converged && path.anchors > 1 && -0.5 / max(ray.bend, 1e-6) > -LODEN_SHALLOW * range;
   hit.p = found.p + floor(x);
   hit.offset = loden_ray_offset(ray, found.h);
@@ -481,8 +522,9 @@ LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, LodenEffort ef
   return loden_patch_lookup(ray, x, effort);
 }
 
-LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, vec3 wo) {
-  return loden_atlas_lookup(m, x, wo, LODEN_EFFORT);
+// `lambda` is the level of detail at which what is found will be shown: it need not be closer than that.
+LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
+  return loden_atlas_lookup(m, x, wo, loden_effort_over(LODEN_EFFORT, lambda));
 }
 
 #ifdef LODEN_LOOKUP_PAPER

@@ -229,7 +229,8 @@ Hit<T> Evaluator::findHit(glm::vec<2, T> x, T lambda, const glm::vec<3, T>& wo, 
   const T fade = fades ? parallaxFade(*material_, hit.lambda, wo) : T(1);
   const T share = parameterShare(*material_, hit.lambda);
   if (!(fade > 0) || (!(share > 0) && lookup != Lookup::kPaper)) return hit;
-  const VdimHit<T> found = vdimLookup(maps, lookup, x, wo, surface);
+  const T footprint = std::exp2(hit.lambda) / T(material_->side);
+  const VdimHit<T> found = vdimLookup(maps, lookup, x, wo, surface, footprint);
   hit.p = glm::mix(x, found.p, fade);
   hit.position = V3<T>(x + found.offset * fade, found.position.z * fade);
   hit.relief = lookup != Lookup::kPaper && !found.missed;
@@ -285,12 +286,14 @@ glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, 
   // No better for the light than for the eye.
   const bool fast = maps.visibility == Visibility::kFast || hit.lookup == Lookup::kFast;
   const Lookup lookup = fast ? Lookup::kFast : Lookup::kDefault;
-  if (byLookup(maps.visibility) && hit.relief && !hit.missed &&
-      !lightReaches(vdimMaps(), lookup, hit.surface, hit.position, hit.p, wi))
-    return indirect;
-  V3<T> open = evaluateNear(maps.lobe, point, wi, wo);
-  if (maps.visibility == Visibility::kMap) open *= mappedVisibility(maps, hit.p, hit.lambda, wi);
-  return open + indirect;
+  T visibility = T(1);
+  if (byLookup(maps.visibility) && hit.relief && !hit.missed)
+    visibility = lookedUpVisibility(vdimMaps(), lookup, hit.surface, hit.position, hit.p, point.normal, wi,
+                                    std::exp2(hit.lambda) / T(material_->side));
+  else if (maps.visibility == Visibility::kMap)
+    visibility = mappedVisibility(maps, hit.p, hit.lambda, wi);
+  if (!(visibility > T(0))) return indirect;
+  return visibility * evaluateNear(maps.lobe, point, wi, wo) + indirect;
 }
 
 void Evaluator::prepareEnvironment() {

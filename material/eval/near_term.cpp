@@ -214,8 +214,9 @@ T mappedVisibility(const SurfaceMaps& maps, V2<T> p, T lambda, const V3<T>& wi) 
 }
 
 template <class T>
-bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface, const V3<T>& position,
-                  V2<T> p, const V3<T>& light, int* fetches) {
+T lookedUpVisibility(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface,
+                     const V3<T>& position, V2<T> p, const V3<T>& normal, const V3<T>& light, T footprint,
+                     int* fetches) {
   // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
   const V3<T> wi = clampTheta(light, T(kThetaMax));
   const V2<T> slope = boundedSlope(wi);
@@ -228,17 +229,24 @@ bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& su
   const V2<T> xy(wi.x, wi.y);
   V3<T> leaving(xy - tilt * wi.z, wi.z + glm::dot(tilt, xy));
   leaving /= std::sqrt(glm::dot(leaving, leaving));
-  if (!(leaving.z > T(0))) return true;  // along a convex surface, past it
+  if (!(leaving.z > T(0))) return T(1);  // along a convex surface, past it
   const bool bent = surface.curvature != glm::mat<2, 2, T>(0);
   const T own = T(kSameSurface) / T(maps.atlas ? maps.atlas->geometry.side() : 128);
   if (maps.atlas && maps.atlas->geometry.identity_parameterization && !bent) {
-    // Mirrors loden_height_field_lets_by.
+    // Mirrors loden_height_field_visibility.
     const V2<T> drift = surface.x_from_tangent * slope;
-    const T lowest =
-        position.z + std::max(T(kBias), own / std::max(std::sqrt(glm::dot(drift, drift)), T(1e-6)));
-    return lowest >= T(0) || !heightFieldMet(*maps.atlas, lookup, exit, leaving, surface, lowest, fetches);
+    const T per_length = std::max(std::sqrt(glm::dot(drift, drift)), T(1e-6));
+    const T lowest = position.z + std::max(T(kBias), own / per_length);
+    if (lowest >= T(0)) return T(1);
+    // A step along the surface towards the light takes the ray down by that much; the surface itself, which
+    // is not sampled within `own`, shall not shade it.
+    const T facing = std::clamp(glm::dot(normal, wi) / std::max(normal.z * wi.z, T(1e-3)), T(0), T(1));
+    const T half = std::max(std::min(T(0.5) * footprint, T(0.9) * own) * facing / per_length, T(1e-6));
+    const T above =
+        heightFieldRise(*maps.atlas, lookup, exit, leaving, surface, lowest, half, footprint, fetches);
+    return std::clamp(T(0.5) - T(0.5) * above / half, T(0), T(1));
   }
-  const VdimHit<T> first = vdimLookup(maps, lookup, exit, leaving, surface);
+  const VdimHit<T> first = vdimLookup(maps, lookup, exit, leaving, surface, footprint);
   if (fetches) *fetches += first.fetches;
   // P as a height of that ray.
   const V2<T> out = boundedSlope(leaving);
@@ -248,7 +256,8 @@ bool lightReaches(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& su
   V2<T> beside = first.p - p;
   beside -= glm::floor(beside + T(0.5));
   const T bias = bent ? T(kBentBias) : T(kBias);
-  return first.missed || first.height <= height + bias || glm::dot(beside, beside) < own * own;
+  const bool reaches = first.missed || first.height <= height + bias || glm::dot(beside, beside) < own * own;
+  return reaches ? T(1) : T(0);
 }
 
 template float nearWeight(const Material&, float);
@@ -277,9 +286,11 @@ template glm::vec<3, double> indirectLight(const SurfaceMaps&, const NearPoint<d
                                            double, const glm::vec<3, double>&);
 template float mappedVisibility(const SurfaceMaps&, glm::vec<2, float>, float, const glm::vec<3, float>&);
 template double mappedVisibility(const SurfaceMaps&, glm::vec<2, double>, double, const glm::vec<3, double>&);
-template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<float>&, const glm::vec<3, float>&,
-                           glm::vec<2, float>, const glm::vec<3, float>&, int*);
-template bool lightReaches(const VdimMaps&, Lookup, const LocalSurface<double>&, const glm::vec<3, double>&,
-                           glm::vec<2, double>, const glm::vec<3, double>&, int*);
+template float lookedUpVisibility(const VdimMaps&, Lookup, const LocalSurface<float>&,
+                                  const glm::vec<3, float>&, glm::vec<2, float>, const glm::vec<3, float>&,
+                                  const glm::vec<3, float>&, float, int*);
+template double lookedUpVisibility(const VdimMaps&, Lookup, const LocalSurface<double>&,
+                                   const glm::vec<3, double>&, glm::vec<2, double>,
+                                   const glm::vec<3, double>&, const glm::vec<3, double>&, double, int*);
 
 }  // namespace loden

@@ -10,8 +10,12 @@
 namespace loden {
 namespace {
 
-constexpr float kReach = 3;      // texels that one visit of a patch may move by
-constexpr float kInside = 0.1f;  // texels beyond a patch at which its extension still counts as the surface
+constexpr float kInside = 0.1f;        // texels beyond a patch at which its extension still counts
+constexpr float kInsideShare = 0.05f;  // of the footprint: the same
+constexpr float kInsideMost = 0.5f;    // the same, at most
+constexpr float kStepShare = 0.25f;    // of the footprint: steps of the march
+constexpr float kCoarse = 3;           // texels of a footprint that a single direction's depths do for
+constexpr float kReach = 3;            // texels that one visit of a patch may move by
 constexpr float kBentResidual = 0.1f;  // texels between surface and bent ray at which they meet
 constexpr int kEach = 6;               // visits for each candidate depth
 constexpr int kBentEach = 6;           // the same of a bent ray, whose direction changes on the way
@@ -27,16 +31,23 @@ constexpr float kStraight =
 constexpr float kLeastDescent = 0.02f;  // of the straight line that stands for a ray where it turns
 constexpr float kShallow = 0.5f;  // of the depth range: rays that turn below it are not taken to leave again
 
-// What a lookup spends.
+// What a lookup spends. Lengths are in texels of the geometry image.
+template <class T>
 struct Effort {
-  int layers;     // directions of the atlas whose depths are read
-  int visits;     // of patches, at most
-  float texels;   // of the march: steps along the plane, in texels of the height field
-  float samples;  // of the march, at most
+  int layers;  // directions of the atlas whose depths are read
+  int visits;  // of patches, at most
+  T step;      // of the march, along the plane
+  T samples;   // of the march, at most
+  T inside;    // beyond a patch, at which its extension still counts as the surface
 };
-Effort effortOf(Lookup lookup) {
-  if (lookup == Lookup::kFast) return {1, 18, 2, 16};
-  return {3, 36, 1, 32};
+// Of an answer that is shown over a footprint of so many texels, which hides what is finer.
+template <class T>
+Effort<T> effortOf(Lookup lookup, T footprint) {
+  const T step = T(kStepShare) * footprint,
+          inside = std::clamp(T(kInsideShare) * footprint, T(kInside), T(kInsideMost));
+  if (lookup == Lookup::kFast) return {1, 18, std::max(T(2), step), T(16), inside};
+  const bool coarse = footprint > T(kCoarse);
+  return {coarse ? 1 : 3, coarse ? 18 : 36, std::max(T(1), step), T(32), inside};
 }
 
 // A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent.
@@ -299,9 +310,14 @@ struct March {
   int fetches;
 };
 
-// Between the bounds that depths of the nearest directions set, and not below `lowest`.
+// The part of a straight ray that is marched: between the bounds that depths of the nearest directions set,
+// and not below `lowest`.
 template <class T>
-March<T> marchDown(const VdimAtlas& atlas, const ViewRay<T>& ray, T lowest, const Effort& effort) {
+struct Stretch {
+  T top, step, samples;  // z; step <= 0
+};
+template <class T>
+Stretch<T> marchedStretch(const VdimAtlas& atlas, const ViewRay<T>& ray, T lowest, const Effort<T>& effort) {
   const T range = T(atlas.geometry.range.z);
   const NearestLayers<T> nearest =
       nearestLayers(atlas.size.directions, vdimSquareFromView(viewAlong(ray.slope)));
@@ -315,12 +331,19 @@ March<T> marchDown(const VdimAtlas& atlas, const ViewRay<T>& ray, T lowest, cons
   const T top = std::clamp(high + T(kMargin) * range, lowest, T(0));
   const T bottom = std::max(low - T(kMargin) * range, lowest);
   const T travel = (top - bottom) * std::sqrt(glm::dot(ray.slope, ray.slope)) * T(atlas.geometry.side());
-  T samples = std::clamp(std::ceil(travel / T(effort.texels)), T(2), T(effort.samples));
-  const T step = std::min(bottom - top, T(0)) / samples;
-  March<T> march{top, top, T(0), T(-1e-4) * range, false, effort.layers};
+  const T samples = std::clamp(std::ceil(travel / effort.step), T(2), effort.samples);
+  return {top, std::min(bottom - top, T(0)) / samples, samples};
+}
+
+template <class T>
+March<T> marchDown(const VdimAtlas& atlas, const ViewRay<T>& ray, const Effort<T>& effort) {
+  const T range = T(atlas.geometry.range.z);
+  const Stretch<T> stretch = marchedStretch(atlas, ray, T(kNone), effort);
+  T samples = stretch.samples;
+  March<T> march{stretch.top, stretch.top, T(0), T(-1e-4) * range, false, effort.layers};
   do {
     march.above = march.below, march.gap_above = march.gap_below;
-    march.below += step;
+    march.below += stretch.step;
     march.gap_below = heightAt(atlas.geometry, ray.x + ray.slope * march.below) - march.below;
     ++march.fetches;
     march.found = march.gap_below >= T(-kTouching) * range;
@@ -349,8 +372,8 @@ T meetHeight(const PackedGeometry& geometry, const ViewRay<T>& ray, T z) {
 
 template <class T>
 VdimHit<T> heightLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2, T> x,
-                        const Effort& effort) {
-  const March<T> march = marchDown(atlas, ray, T(kNone), effort);
+                        const Effort<T>& effort) {
+  const March<T> march = marchDown(atlas, ray, effort);
   const T share = march.gap_above / std::min(march.gap_above - march.gap_below, T(-1e-9));
   VdimHit<T> hit;
   hit.height =
@@ -366,7 +389,7 @@ VdimHit<T> heightLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<
 // By depths of the atlas, to a hit on the geometry image.
 template <class T>
 VdimHit<T> patchLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2, T> x,
-                       const Effort& effort) {
+                       const Effort<T>& effort) {
   const T range = T(atlas.geometry.range.z);
   const RayPath<T> path = rayPath(ray, range);
   VdimHit<T> hit;
@@ -412,7 +435,7 @@ VdimHit<T> patchLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2
       h = visit.h;
       p = visit.p;
       const T next = highestBelow(depths, below);
-      left = found.miss <= T(kInside) || (again == 0 && next < T(kNone)) ? 0 : left - 1;
+      left = found.miss <= effort.inside || (again == 0 && next < T(kNone)) ? 0 : left - 1;
       if (again == 0) {
         h = next;
         below = next - T(kSeparation) * depth;
@@ -421,9 +444,9 @@ VdimHit<T> patchLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2
       }
     } while (left > 0);
     ++anchor;
-  } while (ray.bent && found.miss > T(kInside) && anchor < path.anchors);
+  } while (ray.bent && found.miss > effort.inside && anchor < path.anchors);
   const T turning = T(-0.5) / std::max(ray.bend, T(1e-6));
-  hit.converged = found.miss <= T(kInside);
+  hit.converged = found.miss <= effort.inside;
   hit.missed = !hit.converged && path.anchors > 1 && turning > T(-kShallow) * range;
   const glm::vec<2, T> base = glm::floor(x);
   hit.p = found.p + base;
@@ -436,11 +459,11 @@ VdimHit<T> patchLookup(const VdimAtlas& atlas, const ViewRay<T>& ray, glm::vec<2
 // loden_vdim_lookup of the shaders.
 template <class T>
 VdimHit<T> atlasLookup(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                       const LocalSurface<T>& surface) {
+                       const LocalSurface<T>& surface, T footprint) {
   const ViewRay<T> ray = viewRay(surface, x, wo);
-  if (atlas.geometry.identity_parameterization && !ray.bent)
-    return heightLookup(atlas, ray, x, effortOf(lookup));
-  return patchLookup(atlas, ray, x, effortOf(lookup));
+  const Effort<T> effort = effortOf(lookup, footprint * T(atlas.geometry.side()));
+  if (atlas.geometry.identity_parameterization && !ray.bent) return heightLookup(atlas, ray, x, effort);
+  return patchLookup(atlas, ray, x, effort);
 }
 
 // loden_paper_vdim_lookup of the shaders.
@@ -491,11 +514,21 @@ VdimHit<T> tracedLookup(const GeometryTracer& tracer, glm::vec<2, T> x, const gl
 }  // namespace
 
 template <class T>
-bool heightFieldMet(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                    const LocalSurface<T>& surface, T lowest, int* fetches) {
-  const March<T> march = marchDown(atlas, viewRay(surface, x, wo), lowest, effortOf(lookup));
-  if (fetches) *fetches += march.fetches;
-  return march.found;
+T heightFieldRise(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                  const LocalSurface<T>& surface, T lowest, T enough, T footprint, int* fetches) {
+  const Effort<T> effort = effortOf(lookup, footprint * T(atlas.geometry.side()));
+  const ViewRay<T> ray = viewRay(surface, x, wo);
+  const Stretch<T> stretch = marchedStretch(atlas, ray, lowest, effort);
+  T z = stretch.top, samples = stretch.samples, rise = T(kNone);
+  int count = effort.layers;
+  do {
+    z += stretch.step;
+    rise = std::max(rise, heightAt(atlas.geometry, ray.x + ray.slope * z) - z);
+    ++count;
+    samples = rise >= enough ? T(0) : samples - T(1);
+  } while (samples > 0);
+  if (fetches) *fetches += count;
+  return rise;
 }
 
 std::string_view lookupName(Lookup lookup) {
@@ -547,7 +580,7 @@ VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, con
 
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                      const LocalSurface<T>& surface) {
+                      const LocalSurface<T>& surface, T footprint) {
   if (maps.serve(lookup)) switch (lookup) {
       case Lookup::kNone:
         break;
@@ -555,7 +588,7 @@ VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, con
         return paperLookup(*maps.paper, x, wo);
       case Lookup::kFast:
       case Lookup::kDefault:
-        return atlasLookup(*maps.atlas, lookup, x, wo, surface);
+        return atlasLookup(*maps.atlas, lookup, x, wo, surface, footprint);
       case Lookup::kQuality:
         return tracedLookup(*maps.tracer, x, wo, surface);
     }
@@ -564,14 +597,14 @@ VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, con
   return hit;
 }
 
-template bool heightFieldMet(const VdimAtlas&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&,
-                             const LocalSurface<float>&, float, int*);
-template bool heightFieldMet(const VdimAtlas&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,
-                             const LocalSurface<double>&, double, int*);
+template float heightFieldRise(const VdimAtlas&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&,
+                               const LocalSurface<float>&, float, float, float, int*);
+template double heightFieldRise(const VdimAtlas&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,
+                                const LocalSurface<double>&, double, double, double, int*);
 template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&,
-                                   const LocalSurface<float>&);
+                                   const LocalSurface<float>&, float);
 template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&,
-                                    const LocalSurface<double>&);
+                                    const LocalSurface<double>&, double);
 template VdimHit<float> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, float>, const glm::vec<3, float>&);
 template VdimHit<double> vdimLookup(const VdimMaps&, Lookup, glm::vec<2, double>, const glm::vec<3, double>&);
 

@@ -142,20 +142,23 @@ struct VdimHit {
   bool missed = false;     // the ray goes by a convex surface; p and position are near where it comes closest
 };
 
-// x in tile periods, wo unit, wo.z > 0. Without the map that the lookup reads: p = x. kQuality knows no
-// curvature, kPaper nothing of the surface. The atlas's lookups and the published one are the shaders', name
-// for name (shaders/loden_vdim.glsl).
+// x in tile periods, wo unit, wo.z > 0; `footprint` is how wide, in tile periods, what is read there is
+// filtered, since a lookup need not be closer than that. Without the map that the lookup reads: p = x.
+// kQuality knows no curvature, kPaper nothing of the surface. The atlas's lookups and the published one are
+// the shaders', name for name (shaders/loden_vdim.glsl).
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                      const LocalSurface<T>& surface);
+                      const LocalSurface<T>& surface, T footprint = T(0));
 // On a flat surface without stretch.
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo);
 
-// Whether the straight view ray through x meets a height field (PackedGeometry::identity_parameterization)
-// above z = `lowest`; kFast or kDefault. Adds the texture instructions to *fetches, if it is not null.
+// By how much a height field (PackedGeometry::identity_parameterization) rises above the straight ray through
+// x at most, tile lengths, above z = `lowest`; negative where the ray clears it. Of samples of kFast or
+// kDefault, up to the first that is `enough` above. Adds the texture instructions to *fetches, if it is not
+// null.
 template <class T>
-bool heightFieldMet(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                    const LocalSurface<T>& surface, T lowest, int* fetches);
+T heightFieldRise(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
+                  const LocalSurface<T>& surface, T lowest, T enough, T footprint, int* fetches);
 
 }  // namespace loden

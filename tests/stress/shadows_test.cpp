@@ -93,7 +93,8 @@ Shadows tryBody(const Body& body, Lookup lookup, double depth, double bias, int6
     const double h = bumpHeight(p, depth);
     const glm::dvec3 start = inSpace(body, {0, 0, h});
     const double excess = excessOf(body, height, start, wi, 3.0 / 64);
-    const bool lit = lightReaches(maps, lookup, surfaceOf(body), glm::dvec3(p, h), p, wi);
+    const bool lit =
+        lookedUpVisibility(maps, lookup, surfaceOf(body), glm::dvec3(p, h), p, normal, wi, 0.0) > 0.5;
     s.dark += !lit;
     if (lit && excess > 0) s.largest_leak = std::max(s.largest_leak, excess);
     if (!lit && excess < 0) s.largest_acne = std::max(s.largest_acne, -excess);
@@ -122,10 +123,14 @@ TEST(StressShadows, FlatTilesOnConvexBodiesHaveNone) {
           const double phi = 2 * kPi * unit(random), sine = std::sqrt(1 - z * z);
           const glm::dvec3 wi(sine * std::cos(phi), sine * std::sin(phi), z);
           tried += 2;
-          dark += !lightReaches(maps, lookup, surfaceOf(body), glm::dvec3(p, -depth), p, wi);
+          const glm::dvec3 up(0, 0, 1);
+          const double wide = unit(random);
+          dark += lookedUpVisibility(maps, lookup, surfaceOf(body), glm::dvec3(p, -depth), p, up, wi, wide) <
+                  0.999;
           LocalSurface<float> f;
           f.curvature = glm::mat2(surfaceOf(body).curvature);
-          dark += !lightReaches(maps, lookup, f, glm::vec3(p, -depth), glm::vec2(p), glm::vec3(wi));
+          dark += lookedUpVisibility(maps, lookup, f, glm::vec3(p, -depth), glm::vec2(p), glm::vec3(up),
+                                     glm::vec3(wi), float(wide)) < 0.999f;
         }
     }
   record("flat tiles on plane, cylinder and sphere, lights down to the horizon, double and float",

@@ -89,8 +89,11 @@ TEST(Near, APlaneCastsNoShadow) {
   std::uniform_real_distribution<double> unit(0, 1);
   for (int k = 0; k < 2000; ++k) {
     const glm::dvec2 p(unit(random), unit(random));
-    EXPECT_TRUE(lightReaches(maps, Lookup::kFast, LocalSurface<double>{}, glm::dvec3(p, 0), p,
-                             upperDirection(random, 0.02)));
+    EXPECT_NEAR(
+        1,
+        lookedUpVisibility(maps, Lookup::kFast, LocalSurface<double>{}, glm::dvec3(p, 0), p, {0, 0, 1},
+                           upperDirection(random, 0.02), std::exp2(unit(random) * 9) / 512),
+        1e-6);
   }
 }
 
@@ -113,11 +116,49 @@ TEST(Near, ShadowsAreThoseOfTracedRays) {
     shadowed += occluded;
     const Lookup lookups[] = {Lookup::kFast, Lookup::kDefault};
     for (int l = 0; l < 2; ++l)
-      wrong[l] += lightReaches(maps, lookups[l], LocalSurface<double>{}, point.position, p, wi) == occluded;
+      wrong[l] += (lookedUpVisibility(maps, lookups[l], LocalSurface<double>{}, point.position, p,
+                                      point.normal, wi, 0.0) > 0.5) == occluded;
   }
   EXPECT_GT(shadowed, 250);
   EXPECT_LT(wrong[0], count * 3 / 100);
   EXPECT_LT(wrong[1], count * 2 / 100);
+}
+
+// The share of a footprint that the light reaches, from one ray, against that of traced rays all over it.
+TEST(Near, AFootprintIsLitInPart) {
+  const GeometryImage image = bumps(64, 0.15);
+  const VdimAtlas atlas = buildVdimAtlas(image, {24, 20});
+  const GeometryTracer tracer(image);
+  VdimMaps maps;
+  maps.atlas = &atlas;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const double texels : {2.0, 4.0}) {
+    const double footprint = texels / 64;
+    double of_one_ray = 0, of_the_footprint = 0;
+    int border = 0;
+    while (border < 150) {
+      const glm::dvec2 p(unit(random), unit(random));
+      const glm::dvec3 wi = upperDirection(random, 0.3);
+      double share = 0;
+      constexpr int kSide = 6;
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const glm::dvec2 within((k % kSide + 0.5) / kSide - 0.5, (k / kSide + 0.5) / kSide - 0.5);
+        const auto point = surfaceAt<double>(image, p + within * footprint);
+        share += tracer.occluded(point.position + 2e-3 * point.normal, wi) ? 0.0 : 1.0 / (kSide * kSide);
+      }
+      const auto point = surfaceAt<double>(image, p);
+      if (share < 0.05 || share > 0.95 || glm::dot(point.normal, wi) < 0.1) continue;
+      ++border;
+      const auto visibility = [&](double wide) {
+        return lookedUpVisibility(maps, Lookup::kDefault, LocalSurface<double>{}, point.position, p,
+                                  point.normal, wi, wide);
+      };
+      of_one_ray += std::pow(visibility(0) - share, 2);
+      of_the_footprint += std::pow(visibility(footprint) - share, 2);
+    }
+    EXPECT_LT(of_the_footprint, 0.5 * of_one_ray) << texels << " texels";
+  }
 }
 
 TEST(Near, FadesIntoTheBandsWithoutAStep) {

@@ -60,10 +60,13 @@ vec4 loden_fetch_weights(int band, int layer, vec2 q, float lod) {
   return textureLod(loden_weights[band], vec3(q, float(layer)), lod);
 }
 
-// What the quad adds of itself at that lambda: 0 from quad_end on, 1 one level before. Never more than the
-// quad before it, so that a loop over quads ends at the first that adds nothing.
+// What the quad adds of itself at that lambda: 0 up to quad_begin and from quad_end on, 1 from one level
+// after the one to one level before the other. Never more than the quad before it, so that a loop over quads
+// ends at the first that adds nothing.
 float loden_quad_share(int band, int quad, float lambda) {
-  return clamp(loden_material.bands[band].quad_end[quad >> 2][quad & 3] - lambda, 0.0, 1.0);
+  float begin = loden_material.bands[band].quad_begin[quad >> 2][quad & 3];
+  float end = loden_material.bands[band].quad_end[quad >> 2][quad & 3];
+  return clamp(min(lambda - begin, end - lambda), 0.0, 1.0);
 }
 
 // (Y, Cb, Cr) that one band adds at full weight. The loop has a dynamic bound on purpose: renderers that run

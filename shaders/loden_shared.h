@@ -76,8 +76,9 @@ struct LodenBandData {
   int chroma_quads;
   int ratio_layer;  // of the weights
 
-  vec4 quad_scale[LODEN_MAX_QUADS];    // per quad of y and chroma
-  vec4 quad_end[LODEN_MAX_QUADS / 4];  // lambda from which on it adds nothing; four quads each
+  vec4 quad_scale[LODEN_MAX_QUADS];      // per quad of y and chroma
+  vec4 quad_begin[LODEN_MAX_QUADS / 4];  // lambda up to which it adds nothing; four quads each
+  vec4 quad_end[LODEN_MAX_QUADS / 4];    // lambda from which on it adds nothing; likewise
 
   vec2 ratio_scale;
   float rest_share;  // of what quads from first_rest on add, which quad_scale holds already
@@ -122,7 +123,7 @@ struct LodenMaterialData {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LodenBandData) == 16 * (5 + LODEN_MAX_QUADS) + 4 * LODEN_MAX_QUADS);
+static_assert(sizeof(LodenBandData) == 16 * (5 + LODEN_MAX_QUADS) + 2 * 4 * LODEN_MAX_QUADS);
 static_assert(sizeof(LodenMaterialData) ==
               16 * (9 + LODEN_ENVIRONMENT_THETAS) + LODEN_MAX_BANDS * sizeof(LodenBandData));
 }  // namespace loden

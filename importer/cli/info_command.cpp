@@ -92,6 +92,9 @@ std::vector<Part> partsOf(const AssetFile& file) {
 
 Json bandJson(const Band& band, size_t index) {
   const Window& w = band.window;
+  Json begins = Json::array(), ends = Json::array();
+  for (const QuadLevels& levels : band.quad_levels)
+    begins.push_back(levels.begin), ends.push_back(levels.end);
   return {{"band", index},
           {"domain", band.domain == Domain::kFlat ? "flat" : "reference"},
           {"layout", band.layout == TableLayout::kGrid ? "grid" : "nearest"},
@@ -102,7 +105,8 @@ Json bandJson(const Band& band, size_t index) {
           {"chroma_quads", band.chroma_quads},
           {"ratio", band.ratio},
           {"lead_quads", band.lead_quads},
-          {"quad_end", band.quad_end}};
+          {"quad_begin", begins},
+          {"quad_end", ends}};
 }
 
 // A level L needs every band whose window is open at some lambda >= L: what a file cut there still gives.

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kNearLevels = 3;  // that the near term may be shown at
 constexpr int kSamples = 8000;  // a level
+constexpr QuadLevels kNever{kNoEnd, -kNoEnd};
 constexpr float kBegins[] = {0.25f, 0.5f, 0.75f, 1.0f};
 constexpr float kEnds[] = {1.5f, 1.75f, 2.0f, 2.25f, 2.5f, 2.75f, 3.0f};
 
@@ -42,9 +43,9 @@ struct Candidates {
     bands_of.geometry = {};
     const int quads = material.bands.back().y_quads;
     for (int count = 1; count <= quads; ++count) {
-      std::vector<float>& end = bands_of.bands.back().quad_end;
-      std::fill(end.begin(), end.begin() + count, kNoEnd);
-      std::fill(end.begin() + count, end.end(), -kNoEnd);
+      std::vector<QuadLevels>& levels = bands_of.bands.back().quad_levels;
+      std::fill(levels.begin(), levels.begin() + count, QuadLevels{});
+      std::fill(levels.begin() + count, levels.end(), kNever);
       bands_alone.push_back(bands_of);
     }
     for (const Material& m : bands_alone) bands.emplace_back(m);
@@ -118,7 +119,8 @@ void chooseFade(SurfaceMaps& maps, const std::vector<LevelTrial>& trials, float 
 }
 
 void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const SurfaceMaps* maps) {
-  std::fill(band.quad_end.begin() + 1, band.quad_end.end(), 1.0f);
+  // Without a near term what is finer than the levels that were measured is shown by all of them.
+  std::fill(band.quad_levels.begin() + 1, band.quad_levels.end(), maps ? kNever : QuadLevels{-kNoEnd, 1});
   for (const LevelTrial& trial : trials) {
     const double w = maps ? nearWeightAt(trial.level, double(maps->fade_begin), double(maps->fade_end)) : 0.0;
     const size_t all = trial.quads.size();
@@ -127,7 +129,10 @@ void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const Surfac
     while (count < all && std::sqrt(trial.mse(w, count)) > allowed) ++count;
     // What the last level reads, all beyond it read.
     const float end = trial.level == trials.back().level ? kNoEnd : float(trial.level + 1);
-    std::fill(band.quad_end.begin() + 1, band.quad_end.begin() + ptrdiff_t(count), end);
+    for (size_t k = 1; k < count; ++k) {
+      band.quad_levels[k].begin = std::min(band.quad_levels[k].begin, float(trial.level - 1));
+      band.quad_levels[k].end = end;
+    }
   }
 }
 

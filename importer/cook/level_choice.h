@@ -33,8 +33,9 @@ struct LevelTrial {
 //   least product of errors over the levels 1 to 3, of those that leave the near term alone up to lambda .25
 //   at least and the bands alone from lambda 3 on. The errors of both are unlike, so that a blend is better
 //   than either over some levels.
-// - Sets the coarsest band's quad_end so that each level reads the fewest quads with which the error of what
-//   is shown is at most kQuadLoss above that of all of them, or below kQuadFloor.
+// - Sets the coarsest band's quad_levels so that each level reads the fewest quads with which the error of
+//   what is shown is at most kQuadLoss above that of all of them, or below kQuadFloor. Where the near term
+//   shows as well, few do.
 // Returns what was measured, from level 1 on. Deterministic at any number of threads.
 inline constexpr double kQuadLoss = 0.1;
 inline constexpr double kQuadFloor = 0.01;  // root mean square, white = 1: 40 dB

@@ -137,7 +137,7 @@ Band packBand(const BandFactors& factors, const DirectionSet& lights, const Dire
   band.chroma_quads = (factors.cb.components() + 1) / 2;
   band.ratio = !factors.ratio.empty();
   band.quad_scale.assign(size_t(band.quads()), glm::vec4(1));
-  band.quad_end.assign(size_t(band.quads()), kNoEnd);
+  band.quad_levels.resize(size_t(band.quads()));
   const TexelFormat format = formatOf(options.storage);
   band.weights = Texture::make(format, TextureShape::kArray2D, factors.side, factors.side,
                                band.layers() + options.spare_layers, options.mips);

@@ -193,12 +193,16 @@ class MaterialCheck {
             "lead_quads ", band.lead_quads, " is more than y_quads, or leaves no rest");
     require(band.quad_scale.size() == static_cast<size_t>(band.quads()), issue_id::kQuadScale,
             band.quad_scale.size(), " scales for ", band.quads(), " quads");
-    require(band.quad_end.size() == static_cast<size_t>(band.quads()), issue_id::kQuadEnd,
-            band.quad_end.size(), " ends for ", band.quads(), " quads");
-    for (size_t q = 0; q < band.quad_end.size(); ++q)
-      require(within(band.quad_end[q], -kNoEnd, q == 0 ? kNoEnd : band.quad_end[q - 1]), issue_id::kQuadEnd,
-              "quad_end of quad ", q, ", ", band.quad_end[q], ", is not in -", kNoEnd, "..", kNoEnd,
-              ", or above that of the quad before");
+    require(band.quad_levels.size() == static_cast<size_t>(band.quads()), issue_id::kQuadLevels,
+            band.quad_levels.size(), " levels for ", band.quads(), " quads");
+    QuadLevels before;
+    for (size_t q = 0; q < band.quad_levels.size(); ++q) {
+      const QuadLevels& levels = band.quad_levels[q];
+      require(within(levels.begin, before.begin, kNoEnd) && within(levels.end, -kNoEnd, before.end),
+              issue_id::kQuadLevels, "quad ", q, " adds from ", levels.begin, " to ", levels.end,
+              ", which is not within ", before.begin, " to ", before.end, " of the quad before");
+      before = levels;
+    }
     checkWeights(band, join("HEAD, band ", i, ", weights"));
     checkTable(band, join("HEAD, band ", i, ", table"));
   }

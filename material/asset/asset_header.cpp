@@ -42,7 +42,7 @@ void writeBand(ByteWriter& out, const Band& band) {
   for (const int extent : {table.width, table.height, table.depth}) out.u32(extent);
   writeVec4(out, band.ratio_scale);
   for (const glm::vec4& scale : band.quad_scale) writeVec4(out, scale);
-  for (const float end : band.quad_end) out.f32(end);
+  for (const QuadLevels& levels : band.quad_levels) out.f32(levels.begin), out.f32(levels.end);
 }
 
 void writeMean(ByteWriter& out, const PhongMean& mean) {
@@ -212,8 +212,8 @@ class HeaderReader {
     band.ratio_scale = readVec4();
     band.quad_scale.resize(y_quads + chroma_quads);
     for (glm::vec4& scale : band.quad_scale) scale = readVec4();
-    band.quad_end.resize(y_quads + chroma_quads);
-    for (float& end : band.quad_end) end = in_.f32();
+    band.quad_levels.resize(y_quads + chroma_quads);
+    for (QuadLevels& levels : band.quad_levels) levels.begin = in_.f32(), levels.end = in_.f32();
     return band;
   }
 

@@ -134,7 +134,7 @@ inline constexpr int kShadowMissing = 4055;
 inline constexpr int kShadowLayers = 4056;
 inline constexpr int kShadowExtent = 4057;
 inline constexpr int kShadowTable = 4058;
-inline constexpr int kQuadEnd = 4059;
+inline constexpr int kQuadLevels = 4059;
 inline constexpr int kIndirectExtent = 4060;
 // 5xxx: glTF
 inline constexpr int kGltfParse = 5001;

@@ -17,7 +17,9 @@ template double windowWeight(const Window&, double);
 
 template <class T>
 T quadShare(const Band& band, int quad, T lambda) {
-  return quad == 0 ? T(1) : std::clamp(T(band.quad_end[size_t(quad)]) - lambda, T(0), T(1));
+  if (quad == 0) return T(1);
+  const QuadLevels& levels = band.quad_levels[size_t(quad)];
+  return std::clamp(std::min(lambda - T(levels.begin), T(levels.end) - lambda), T(0), T(1));
 }
 
 template float quadShare(const Band&, int, float);

@@ -38,6 +38,14 @@ struct DirectionGrid {
   float theta_max = static_cast<float>(75.0 * kPi / 180.0);  // radians
 };
 
+// The levels at which a quad adds to its band: nothing up to begin, all of itself one level later, all up to
+// one level before end, and nothing from there on.
+inline constexpr float kNoEnd = 1e4f;  // beyond every lambda that there is
+struct QuadLevels {
+  float begin = -kNoEnd, end = kNoEnd;
+  bool operator==(const QuadLevels&) const = default;
+};
+
 // Components travel in quads of four. Quads 0 .. y_quads-1 hold four Y components each; then chroma_quads,
 // each with two Cb components in xy and two Cr components in zw; then, if ratio, one layer of weights only
 // whose rg are Cb/Y and Cr/Y of the whole value: the band then adds ratio * (Y_b + mu.Y) - mu.C to C.
@@ -55,9 +63,9 @@ struct Band {
   int lead_quads = 0;
   // Per quad of y and chroma: products D*E are multiplied by this (folds both 8-bit scales).
   std::vector<glm::vec4> quad_scale;
-  // Per quad of y and chroma: the lambda from which on it adds nothing; one level before, it adds all. Never
-  // above that of the quad before; the first quad's is not read, it adds all at every lambda.
-  std::vector<float> quad_end;
+  // Per quad of y and chroma. None begins before the quad before it, or ends after that; the first quad's are
+  // not read, it adds all at every lambda.
+  std::vector<QuadLevels> quad_levels;
   glm::vec4 ratio_scale{1};
   Texture weights;  // 2-D array, layers = layers() (+ spare layers, zero)
   Texture table;    // volume
@@ -65,9 +73,6 @@ struct Band {
   int layers() const { return quads() + (ratio ? 1 : 0); }
   size_t bytes() const { return weights.data.size() + table.data.size(); }
 };
-
-// The quad_end of what adds at every lambda that there is.
-inline constexpr float kNoEnd = 1e4f;
 
 // Share of itself that the quad adds at that lambda.
 template <class T>

@@ -40,7 +40,7 @@ Band leadOf(const Band& band) {
   lead.y_quads = band.lead_quads;
   lead.ratio = band.ratio;
   lead.quad_scale.assign(band.quad_scale.begin(), band.quad_scale.begin() + band.lead_quads);
-  lead.quad_end.assign(band.quad_end.begin(), band.quad_end.begin() + band.lead_quads);
+  lead.quad_levels.assign(band.quad_levels.begin(), band.quad_levels.begin() + band.lead_quads);
   lead.ratio_scale = band.ratio_scale;
   const Texture &weights = band.weights, &table = band.table;
   const int slices = table.depth / band.quads() * band.lead_quads;

@@ -37,8 +37,10 @@ LodenBandData bandData(const Band& band) {
   if (band.ratio) data.bits |= LODEN_BAND_RATIO;
   data.y_quads = band.y_quads, data.chroma_quads = band.chroma_quads, data.ratio_layer = band.quads();
   std::copy(band.quad_scale.begin(), band.quad_scale.end(), data.quad_scale);
-  for (size_t quad = 0; quad < band.quad_end.size(); ++quad)
-    data.quad_end[quad / 4][int(quad % 4)] = band.quad_end[quad];
+  for (size_t quad = 0; quad < band.quad_levels.size(); ++quad) {
+    data.quad_begin[quad / 4][int(quad % 4)] = band.quad_levels[quad].begin;
+    data.quad_end[quad / 4][int(quad % 4)] = band.quad_levels[quad].end;
+  }
   data.ratio_scale = band.ratio_scale;
   data.rest_share = 1;
   return data;

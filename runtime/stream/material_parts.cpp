@@ -101,7 +101,7 @@ void addBands(std::vector<PartPlan>& parts, const Material& material, Domain dom
     if (split) parts.push_back({PartKind::kBandLead, b, {}, {gpuBytes(leadOf(band)), end}});
     // Where only leading quads add something, nobody asks for the rest.
     const float rest_end =
-        split ? std::min(end, std::max(band.quad_end[size_t(band.lead_quads)], next_end)) : end;
+        split ? std::min(end, std::max(band.quad_levels[size_t(band.lead_quads)].end, next_end)) : end;
     parts.push_back({PartKind::kBand, b, {}, {gpuBytes(band), rest_end, split}});
   }
 }

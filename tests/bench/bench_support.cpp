@@ -55,7 +55,7 @@ Band gridBand(Domain domain, uint32_t seed) {
   band.lambda_first = flat ? 0.0f : 1.0f;
   band.window = flat ? Window{-2, -1, 1, 2} : Window{1, 2, 1e4f, 2e4f};
   band.quad_scale.assign(size_t(band.quads()), glm::vec4(0.05f));
-  band.quad_end.assign(size_t(band.quads()), kNoEnd);
+  band.quad_levels.assign(size_t(band.quads()), {});
   const int side = flat ? kSide : kSide / 2;
   band.weights = noise(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, side, side, band.layers(),
                        flat ? 1 : fullMipCount(side, side), seed);
@@ -87,7 +87,7 @@ Material lodMaterial(uint32_t seed) {
     band.y_quads = 2;
     band.chroma_quads = 1;
     band.quad_scale.assign(3, glm::vec4(0.05f));
-    band.quad_end.assign(3, kNoEnd);
+    band.quad_levels.resize(3);
     const uint32_t band_seed = seed + 10 * uint32_t(level);
     band.weights = noise(TexelFormat::kRGBA32Sfloat, TextureShape::kArray2D, kSide >> level, kSide >> level,
                          3, 1, band_seed);

@@ -47,7 +47,7 @@ Material splitFused(uint32_t seed) {
   band.ratio = true;
   band.lead_quads = 1;
   band.quad_scale.assign(3, glm::vec4(0.05f, 0.04f, 0.03f, 0.02f));
-  band.quad_end.assign(3, kNoEnd);
+  band.quad_levels.assign(3, {});
   band.weights = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 32, 32, 4, 6, seed + 20);
   band.table = noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 25, 36, 25 * 3, 1, seed + 21);
   return material;
@@ -220,7 +220,7 @@ TEST_F(MaterialSystemTest, ComparesEveryTextureWithTheDriversLimits) {
 
 TEST_F(MaterialSystemTest, FarAwayTheLeadingQuadsAreEnough) {
   Material material = splitFused(5);
-  material.bands[1].quad_end = {kNoEnd, 4.0f, 3.0f};
+  material.bands[1].quad_levels = {{}, {-kNoEnd, 4}, {-kNoEnd, 3}};
   auto system = makeMaterials();
   const MaterialId id = load(*system, material);
   system->demand(id, 4);

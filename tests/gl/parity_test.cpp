@@ -346,7 +346,9 @@ TEST_P(Parity, GpuAgreesWithEvaluatorInEveryMode) {
     Material material = materials[c.kind];
     material.cosine_included = c.cosine_included;
     if (material.surface) material.surface->visibility = c.visibility;
-    if (material.surface && c.kind == fused) EXPECT_GT(material.surface->indirect.width, 0);
+    if (c.kind == fused) {
+      EXPECT_GT(material.surface->indirect.width, 0);
+    }
     if (material.surface && !c.indirect) material.surface->indirect = {};
     expectParity(material, c.way);
   }

@@ -32,7 +32,7 @@ double smoothWeight(int component, glm::dvec2 x) {
          (1 + 0.5 * std::sin(2 * kPi * x.x + component) * std::cos(2 * kPi * x.y - component));
 }
 
-constexpr float kQuadEnds[] = {kNoEnd, 2.5f, 2.0f};
+constexpr QuadLevels kQuadLevels[] = {{}, {0.25f, 2.5f}, {0.5f, 2.0f}};
 
 Material smoothMaterial(int side) {
   Material m;
@@ -43,7 +43,7 @@ Material smoothMaterial(int side) {
   Band band;
   band.y_quads = 2, band.chroma_quads = 1;
   band.quad_scale.assign(3, glm::vec4(0.1f));
-  band.quad_end.assign(std::begin(kQuadEnds), std::end(kQuadEnds));
+  band.quad_levels.assign(std::begin(kQuadLevels), std::end(kQuadLevels));
   const DirectionGrid grid{6, 25, m.theta_max};
   const int mips = fullMipCount(side, side);
   m.lambda_max = float(mips - 1);
@@ -137,7 +137,9 @@ glm::dvec3 smoothValue(int side, glm::dvec2 x, double lambda, const glm::dvec3& 
     const double fine = weightAt(c, side >> mip, x) * std::exp2(-mip);
     const double coarse = last == 0 ? fine : weightAt(c, side >> (mip + 1), x) * std::exp2(-mip - 1);
     const double value = 0.1f * (fine + (level - mip) * (coarse - fine)) * tableAt(c, i, o);
-    const double share = std::min(std::max(double(kQuadEnds[c / 4]) - level, 0.0), 1.0);
+    const QuadLevels& levels = kQuadLevels[c / 4];
+    const double share =
+        std::clamp(std::min(level - double(levels.begin), double(levels.end) - level), 0.0, 1.0);
     ycc[c < 8 ? 0 : c % 4 < 2 ? 1 : 2] += share * value;
   }
   const double y = mean + ycc[0], cb = 0.02f * mean + ycc[1], cr = -0.01f * mean + ycc[2];

@@ -318,13 +318,15 @@ void addBands(FaultList& list) {
   fused(id::kNoQuads, "none", [](Material& m) {
     m.bands[0].y_quads = m.bands[0].chroma_quads = 0;
     m.bands[0].quad_scale.clear();
-    m.bands[0].quad_end.clear();
+    m.bands[0].quad_levels.clear();
   });
   fused(id::kQuadScale, "not finite", [](Material& m) { m.bands[0].quad_scale[0].z = kNan; });
-  fused(id::kQuadEnd, "not a number", [](Material& m) { m.bands[1].quad_end[0] = kNan; });
-  fused(id::kQuadEnd, "not finite", [](Material& m) { m.bands[1].quad_end[1] = kInfinity; });
-  fused(id::kQuadEnd, "above the quad before",
-        [](Material& m) { m.bands[1].quad_end[1] = m.bands[1].quad_end[0] + 1; });
+  fused(id::kQuadLevels, "not a number", [](Material& m) { m.bands[1].quad_levels[0].end = kNan; });
+  fused(id::kQuadLevels, "not finite", [](Material& m) { m.bands[1].quad_levels[1].end = kInfinity; });
+  fused(id::kQuadLevels, "ends after the quad before",
+        [](Material& m) { m.bands[1].quad_levels[1].end = m.bands[1].quad_levels[0].end + 1; });
+  fused(id::kQuadLevels, "begins before the quad before",
+        [](Material& m) { m.bands[1].quad_levels[1].begin = m.bands[1].quad_levels[0].begin - 1; });
   fused(id::kQuadScale, "-65505", [](Material& m) { m.bands[0].quad_scale[0].x = -65505; });
   fused(id::kRatioScale, "infinite", [](Material& m) { m.bands[0].ratio_scale.x = kInfinity; });
   fused(id::kRatioScale, "1e9", [](Material& m) { m.bands[0].ratio_scale.y = 1e9f; });

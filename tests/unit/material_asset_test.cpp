@@ -168,7 +168,7 @@ TEST(Asset, SplitsWhatIsLargerThanALeadingPart) {
   band.chroma_quads = 0;
   band.ratio = true;
   band.quad_scale.assign(5, glm::vec4(1));
-  band.quad_end.assign(5, kNoEnd);
+  band.quad_levels.assign(5, {});
   band.weights = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, 32, 32, 6, 6);
   band.table = Texture::make(TexelFormat::kRGBA8Snorm, TextureShape::kVolume, 18, 36, 5 * 18);
   const uint64_t whole = gpuBytes(band);

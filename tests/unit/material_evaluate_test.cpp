@@ -85,21 +85,21 @@ TEST(Evaluator, IsContinuousInLambda) {
   }
 }
 
-TEST(Evaluator, AQuadFadesOutBelowItsEnd) {
+TEST(Evaluator, AQuadFadesInAndOutWithinItsLevels) {
   Material whole = test::splitFusedMaterial();
   whole.mean.ka = 4;  // far from black
   Band& band = whole.bands.back();
-  band.quad_end.assign(3, kNoEnd);
+  band.quad_levels.assign(3, {});
   Material first = whole, fading = whole;
   first.bands.back().quad_scale[1] = first.bands.back().quad_scale[2] = glm::vec4(0);
-  fading.bands.back().quad_end = {kNoEnd, 3.5f, 3.5f};
+  fading.bands.back().quad_levels = {{}, {2.25f, 4}, {2.25f, 4}};
   const Evaluator of_whole(whole), of_first(first), of_fading(fading);
   const glm::dvec3 wi = directionFromSpherical({0.4, 1.7}), wo = directionFromSpherical({0.6, 0.2});
-  for (const double lambda : {2.0, 2.5, 2.75, 3.25, 3.5, 5.0}) {
+  for (const double lambda : {2.0, 2.25, 2.5, 3.0, 3.125, 3.5, 3.75, 4.0, 5.0}) {
     const auto valueOf = [&](const Evaluator& evaluator) {
       return evaluator.evaluate(evaluator.findHit(glm::dvec2(0.31, 0.77), lambda, wo), wi, wo);
     };
-    const double share = std::clamp(3.5 - lambda, 0.0, 1.0);
+    const double share = std::clamp(std::min(lambda - 2.25, 4 - lambda), 0.0, 1.0);
     const glm::dvec3 blend = glm::mix(valueOf(of_first), valueOf(of_whole), share),
                      value = valueOf(of_fading);
     EXPECT_GT(glm::distance(valueOf(of_first), valueOf(of_whole)), 1e-4) << lambda;

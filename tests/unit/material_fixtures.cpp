@@ -24,7 +24,7 @@ Band nearestBand(int level, uint32_t seed) {
   band.y_quads = 2;
   band.chroma_quads = 1;
   band.quad_scale.assign(3, glm::vec4(1));
-  band.quad_end.assign(3, kNoEnd);
+  band.quad_levels.assign(3, {});
   const int side = kSide >> level;
   const int layers = level == 2 ? 4 : 3;
   band.weights =
@@ -47,7 +47,7 @@ Band gridBand(Domain domain, int mips, const DirectionGrid& grid, uint32_t seed)
   band.window = domain == Domain::kFlat ? Window{-2, -1, 1, 2} : Window{1, 2, 1e4f, 2e4f};
   for (int quad = 0; quad < band.quads(); ++quad) {
     band.quad_scale.push_back(glm::vec4(0.5f, 0.25f, 0.1f, 1e-3f));
-    band.quad_end.push_back(kNoEnd - float(quad));
+    band.quad_levels.push_back({float(quad) - kNoEnd, kNoEnd - float(quad)});
   }
   band.ratio_scale = {0.3f, 0.4f, 1, 1};
   const int side = domain == Domain::kFlat ? kSide : kSide / 2;
@@ -95,7 +95,7 @@ void expectSame(const Band& a, const Band& b) {
   EXPECT_EQ(a.ratio, b.ratio);
   EXPECT_EQ(a.lead_quads, b.lead_quads);
   EXPECT_TRUE(a.quad_scale == b.quad_scale);
-  EXPECT_TRUE(a.quad_end == b.quad_end);
+  EXPECT_TRUE(a.quad_levels == b.quad_levels);
   EXPECT_TRUE(a.ratio_scale == b.ratio_scale);
   expectSame(a.weights, b.weights);
   expectSame(a.table, b.table);
@@ -246,7 +246,7 @@ Material splitFusedMaterial() {
   band.ratio = true;
   band.lead_quads = 2;
   band.quad_scale.push_back(glm::vec4(0.02f));
-  band.quad_end = {kNoEnd, 2.5f, 2.25f};
+  band.quad_levels = {{}, {0.25f, 2.5f}, {0.5f, 2.25f}};
   band.weights =
       noiseTexture(TexelFormat::kRGBA8Snorm, TextureShape::kArray2D, kSide / 2, kSide / 2, 5, 3, 44);
   for (int mip = 0; mip < 3; ++mip)

@@ -103,7 +103,7 @@ class Listing {
          bits({w.in_begin, w.in_end, w.out_begin, w.out_end, band.lambda_first}));
     std::string scales;
     for (const glm::vec4& s : band.quad_scale) append(scales, bits({s.x, s.y, s.z, s.w}));
-    for (const float end : band.quad_end) append(scales, bits({end}));
+    for (const QuadLevels& levels : band.quad_levels) append(scales, bits({levels.begin, levels.end}));
     const glm::vec4& ratio = band.ratio_scale;
     line("quads", band.y_quads, band.chroma_quads, band.ratio ? 1 : 0, band.lead_quads,
          bits({ratio.x, ratio.y, ratio.z, ratio.w}), scales);

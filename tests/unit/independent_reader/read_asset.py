@@ -81,7 +81,7 @@ def read_band(head, place):
     y_quads, chroma_quads, ratio, lead = head.u32(4)
     weights, table = head.u32(5), head.u32(4)
     quads = y_quads + chroma_quads
-    print("quads", y_quads, chroma_quads, ratio, lead, head.bits(4), head.bits(5 * quads))
+    print("quads", y_quads, chroma_quads, ratio, lead, head.bits(4), head.bits(6 * quads))
     if lead == 0:
         return [("BAND", [texture(*weights), texture(*table, 1)])]
     rest = quads - lead

@@ -124,7 +124,8 @@ void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const Surfac
   for (const LevelTrial& trial : trials) {
     const double w = maps ? nearWeightAt(trial.level, double(maps->fade_begin), double(maps->fade_end)) : 0.0;
     const size_t all = trial.quads.size();
-    const double allowed = std::max(std::sqrt(trial.mse(w, all)) * (1 + kQuadLoss), kQuadFloor);
+    const double allowed =
+        std::max(std::sqrt(trial.mse(w, all)) * (1 + (w > 0 ? kBlendLoss : kQuadLoss)), kQuadFloor);
     size_t count = 1;
     while (count < all && std::sqrt(trial.mse(w, count)) > allowed) ++count;
     // What the last level reads, all beyond it read.

@@ -34,10 +34,11 @@ struct LevelTrial {
 //   at least and the bands alone from lambda 3 on. The errors of both are unlike, so that a blend is better
 //   than either over some levels.
 // - Sets the coarsest band's quad_levels so that each level reads the fewest quads with which the error of
-//   what is shown is at most kQuadLoss above that of all of them, or below kQuadFloor. Where the near term
-//   shows as well, few do.
+//   what is shown is at most kQuadLoss above that of all of them, kBlendLoss where the near term shows as
+//   well, or below kQuadFloor.
 // Returns what was measured, from level 1 on. Deterministic at any number of threads.
 inline constexpr double kQuadLoss = 0.1;
+inline constexpr double kBlendLoss = 0.03;
 inline constexpr double kQuadFloor = 0.01;  // root mean square, white = 1: 40 dB
 std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
                                      const DirectionSet& views, int threads);

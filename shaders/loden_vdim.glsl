@@ -8,7 +8,7 @@ const float LODEN_INSIDE = 0.1;         // texels beyond a patch at which its ex
 const float LODEN_INSIDE_SHARE = 0.05;  // of the footprint: the same
 const float LODEN_INSIDE_MOST = 0.5;    // the same, at most
 const float LODEN_STEP_SHARE = 0.25;    // of the footprint: steps of the march
-const float LODEN_COARSE = 3.0;         // texels of a footprint that a single direction's depths do for
+const float LODEN_COARSE = 6.0;         // texels of a footprint that a single direction's depths do for
 
 // What a lookup spends. One of the constants, but for what grows with the footprint that the answer is shown
 // over. Lengths are in texels of the geometry image.

@@ -70,7 +70,7 @@ std::vector<Part> partsOf(const AssetFile& file) {
     parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
     if (band.lead_quads > 0)
       parts.push_back(leadingPart(name + " lead", formatted("%d of %d quads", band.lead_quads, band.quads()),
-                                  file.bandStoredBytes(static_cast<int>(b), AssetFile::Share::kFirst),
+                                  file.bandStoredBytes(static_cast<int>(b), Share::kLead),
                                   gpuBytes(leadOf(band)), lambda));
   }
   if (material.stored_vdim) {
@@ -84,8 +84,8 @@ std::vector<Part> partsOf(const AssetFile& file) {
                                &row == &kSurfaceMapRows.front() ? file.surfaceStoredBytes() : 0));
     if (material.surface->tail_mip > 0)
       parts.push_back(leadingPart("surface tail", formatted("mips from %d on", material.surface->tail_mip),
-                                  file.surfaceStoredBytes(AssetFile::Share::kFirst),
-                                  gpuBytes(tailOf(*material.surface))));
+                                  file.surfaceStoredBytes(Share::kLead),
+                                  gpuBytes(leadOf(*material.surface))));
   }
   return parts;
 }

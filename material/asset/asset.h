@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "material/base/result.h"
-#include "material/model/material.h"
+#include "material/model/leading_part.h"
 
 namespace loden {
 
@@ -103,24 +103,21 @@ class AssetFile {
   Result<std::string> loadMeta() const;
   // How many of chunks(), from the front, lie wholly inside the source.
   int presentChunks() const { return present_chunks_; }
-  // Of what is stored in two chunks, the leading part alone (material/model/leading_part.h), or all.
-  enum class Share { kFirst, kAll };
 
   // Stored bytes (on disk) of the chunks behind one band (index as in skeleton().bands); 0 if they are
   // absent.
-  uint64_t bandStoredBytes(int band, Share share = Share::kAll) const;
+  uint64_t bandStoredBytes(int band, Share share = Share::kWhole) const;
   // The same of the geometry image, the stored VDIM and the surface maps.
   uint64_t geometryStoredBytes() const;
   uint64_t storedVdimStoredBytes() const;
-  uint64_t surfaceStoredBytes(Share share = Share::kAll) const;
+  uint64_t surfaceStoredBytes(Share share = Share::kWhole) const;
 
-  // Read, check and decompress one part. Each call reads only that part's bytes. Thread safe. What is absent
-  // is an issue (kMissingChunk). `lead` and `tail`: what the same call gave for kFirst; then only the rest is
-  // read.
-  Result<Band> loadBand(int band, Share share = Share::kAll, const Band* lead = nullptr) const;
+  // Read, check and decompress one part. Each call reads only that part's bytes, and of a whole whose `lead`
+  // the same call gave before only the rest. Thread safe. What is absent is an issue (kMissingChunk).
+  Result<Band> loadBand(int band, Share share = Share::kWhole, const Band* lead = nullptr) const;
   Result<GeometryImage> loadGeometry() const;
   Result<PaperVdim> loadStoredVdim() const;
-  Result<SurfaceMaps> loadSurface(Share share = Share::kAll, const SurfaceMaps* tail = nullptr) const;
+  Result<SurfaceMaps> loadSurface(Share share = Share::kWhole, const SurfaceMaps* lead = nullptr) const;
 
  private:
   // By chunk type; `band` only for BAND.

@@ -100,7 +100,7 @@ void forgetAbsent(const Contents& contents, Material& material) {
   const Material& whole = contents.skeleton;
   const int bands = static_cast<int>(material.bands.size());
   int finest = bands;  // bands of an asset are present from the back
-  while (finest > 0 && !absent(firstPart(whole, kBand, finest - 1))) --finest;
+  while (finest > 0 && !absent({kBand, finest - 1})) --finest;
   for (int band = 0; band < finest; ++band) {
     const float coarser = std::min(material.bands[band].window.out_end, material.lambda_max);
     material.lambda_min = std::max(material.lambda_min, coarser);
@@ -108,7 +108,7 @@ void forgetAbsent(const Contents& contents, Material& material) {
   material.bands.erase(material.bands.begin(), material.bands.begin() + finest);
   if (absent({kGeom})) material.geometry = {};
   if (absent({kVdim})) material.stored_vdim.reset();
-  if (material.surface && absent(firstPart(whole, kSurf))) {
+  if (material.surface && absent({kSurf})) {
     if (!whole.bands.empty()) {
       const float coarser = std::min(material.surface->fade_end, material.lambda_max);
       material.lambda_min = std::max(material.lambda_min, coarser);
@@ -173,35 +173,27 @@ void loadMeta(const ByteSource& source, const ChunkInfo& chunk, const std::strin
 }  // namespace
 
 void loadPart(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
-              Material& material, IssueList& issues) {
+              const Material& described, Material& material, IssueList& issues) {
   const std::string place = chunkPlace(index, chunk.type);
   if (part.type == kHead) return;
   if (part.type == kMeta) return loadMeta(source, chunk, place, material, issues);
-  if (part.share == Part::Share::kLead) {
-    if (part.type == kBand) material.bands[part.band] = leadOf(material.bands[part.band]);
-    if (part.type == kSurf) material.surface = tailOf(*material.surface);
-  }
-  const Part whole{part.type, part.band};
-  const std::vector<std::byte> raw = readTexels(source, chunk, place, partBytes(material, whole), issues);
-  if (raw.empty()) return;
-  scatterTexels(raw, whole, material);
-  checkPartTexels(material, whole, place, issues);
-}
-
-void loadRest(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
-              const Material& described, Material& material, IssueList& issues) {
-  const std::string place = chunkPlace(index, chunk.type);
   const std::vector<std::byte> raw = readTexels(source, chunk, place, partBytes(described, part), issues);
-  const Part lead{part.type, part.band, Part::Share::kLead}, whole{part.type, part.band};
-  for (const Texture* t : partTextures(material, whole))
-    if (t->empty()) return;  // the leading part is damaged
   if (raw.empty()) return;
-  const std::vector<std::byte> leading = gatherTexels(material, whole);
-  if (part.type == kBand) material.bands[part.band] = described.bands[part.band];
-  if (part.type == kSurf) material.surface = described.surface;
-  scatterTexels(leading, lead, material);
+  const Part first{part.type, part.band};
+  std::vector<std::byte> lead;
+  if (part.rest) {
+    for (const Texture* t : partTextures(material, first))
+      if (t->empty()) return;  // the leading part is damaged
+    lead = gatherTexels(material, first);
+  }
+  if (part.type == kBand) {
+    const Band& whole = described.bands[part.band];
+    material.bands[part.band] = part.rest ? whole : leadOf(whole);
+  }
+  if (part.type == kSurf) material.surface = part.rest ? *described.surface : leadOf(*described.surface);
+  if (part.rest) scatterTexels(lead, first, material);
   scatterTexels(raw, part, material);
-  checkPartTexels(material, whole, place, issues);
+  checkPartTexels(material, part, place, issues);
 }
 
 Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues) {
@@ -217,11 +209,7 @@ Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues
     checkPadding(source, contents.chunks, i, issues);
     if (static_cast<int>(i) >= contents.present) break;
     if (contents.described && isKnown(chunk.type)) {
-      const Part& next = *part++;
-      if (next.share == Part::Share::kRest)
-        loadRest(source, chunk, i, next, contents.skeleton, material, issues);
-      else
-        loadPart(source, chunk, i, next, material, issues);
+      loadPart(source, chunk, i, *part++, contents.skeleton, material, issues);
     } else if (i > 0) {
       const auto stored = readStored(source, chunk, issues.where(chunkPlace(i, chunk.type)));
       if (!stored) issues.add(stored.issue());

@@ -22,13 +22,10 @@ Contents readContents(const ByteSource& source, IssueList& issues);
 // Index in `chunks` of a part's chunk, by its place among the parts of its type; -1 if there is none.
 int chunkOfPart(std::span<const ChunkInfo> chunks, const Material& skeleton, const Part& part);
 
-// Reads, checks and decompresses one part into `material`, whose part has the described extents and no data.
-// META goes to meta_json; HEAD is left as it is. Of what is split the material has the leading part alone
-// afterwards.
+// Reads, checks and decompresses one part into `material`, which afterwards has all that was loaded of it: of
+// what is split the leading part alone, and with the rest, which goes to a material that has the leading
+// part, the whole. `described` has the whole without texels. META goes to meta_json; HEAD is left as it is.
 void loadPart(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
-              Material& material, IssueList& issues);
-// The rest, into a material that has the leading part alone; `described` has the whole without data.
-void loadRest(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
               const Material& described, Material& material, IssueList& issues);
 
 // Loads what is present and forgets the rest, raising lambda_min to the finest level that is left. With

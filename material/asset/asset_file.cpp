@@ -21,7 +21,7 @@ Result<AssetFile> AssetFile::open(std::shared_ptr<const ByteSource> source, cons
 }
 
 Result<std::string> AssetFile::loadMeta() const {
-  Result<Material> meta = load(kMeta, -1, Share::kFirst);
+  Result<Material> meta = load(kMeta, -1, Share::kLead);
   if (meta) return std::move(meta->meta_json);
   if (meta.issue().id == issue_id::kMissingChunk) return std::string();
   return meta.issue();
@@ -29,9 +29,7 @@ Result<std::string> AssetFile::loadMeta() const {
 
 uint64_t AssetFile::storedBytes(uint32_t type, int band, Share share) const {
   uint64_t bytes = 0;
-  for (const Part& part : partsOf(skeleton_)) {
-    if (part.type != type || part.band != band) continue;
-    if (share == Share::kFirst && part.share == Part::Share::kRest) continue;
+  for (const Part& part : partsOf(skeleton_, type, band, share)) {
     const int chunk = chunkOfPart(chunks_, skeleton_, part);
     if (chunk >= 0 && chunk < present_chunks_) bytes += chunks_[chunk].stored_bytes;
   }
@@ -43,10 +41,10 @@ uint64_t AssetFile::bandStoredBytes(int band, Share share) const {
   return storedBytes(kBand, band, share);
 }
 uint64_t AssetFile::geometryStoredBytes() const {
-  return storedBytes(kGeom, -1, Share::kAll);
+  return storedBytes(kGeom, -1, Share::kWhole);
 }
 uint64_t AssetFile::storedVdimStoredBytes() const {
-  return storedBytes(kVdim, -1, Share::kAll);
+  return storedBytes(kVdim, -1, Share::kWhole);
 }
 uint64_t AssetFile::surfaceStoredBytes(Share share) const {
   return storedBytes(kSurf, -1, share);
@@ -69,30 +67,19 @@ Material describedPart(const Material& skeleton, uint32_t type, int band) {
 Result<Material> AssetFile::load(uint32_t type, int band, Share share, std::optional<Material> lead) const {
   return withoutExceptions(name_, [&]() -> Result<Material> {
     IssueList issues(name_);
-    const auto presentChunk = [&](const Part& part) {
+    const Material described = describedPart(skeleton_, type, band);
+    Material material = lead ? std::move(*lead) : described;
+    for (Part part : partsOf(skeleton_, type, band, share)) {
+      if (lead && !part.rest) continue;
       const int chunk = chunkOfPart(chunks_, skeleton_, part);
       const bool present = chunk >= 0 && chunk < present_chunks_;
       issues.require(present, issue_id::kMissingChunk, chunkName(type),
                      "the asset has no such part, or ends before it");
-      return present ? chunk : -1;
-    };
-    const Part first = firstPart(skeleton_, type, band);
-    const int band_here = type == kBand ? 0 : -1;
-    const Material described = describedPart(skeleton_, type, band);
-    Material part = lead ? std::move(*lead) : described;
-    if (!lead) {
-      const int chunk = presentChunk(first);
-      if (chunk < 0) return issues.first();
-      asset::loadPart(*source_, chunks_[chunk], chunk, {type, band_here, first.share}, part, issues);
+      if (type == kBand) part.band = 0;
+      if (present) asset::loadPart(*source_, chunks_[chunk], chunk, part, described, material, issues);
+      if (!issues.empty()) return issues.first();
     }
-    if (share == Share::kAll && first.share == Part::Share::kLead && issues.empty()) {
-      const int chunk = presentChunk({type, band, Part::Share::kRest});
-      if (chunk < 0) return issues.first();
-      loadRest(*source_, chunks_[chunk], chunk, {type, band_here, Part::Share::kRest}, described, part,
-               issues);
-    }
-    if (!issues.empty()) return issues.first();
-    return part;
+    return material;
   });
 }
 
@@ -108,21 +95,21 @@ Result<Band> AssetFile::loadBand(int band, Share share, const Band* lead) const 
 }
 
 Result<GeometryImage> AssetFile::loadGeometry() const {
-  Result<Material> part = load(kGeom, -1, Share::kAll);
+  Result<Material> part = load(kGeom, -1, Share::kWhole);
   if (!part) return part.issue();
   return std::move(part->geometry);
 }
 
 Result<PaperVdim> AssetFile::loadStoredVdim() const {
-  Result<Material> part = load(kVdim, -1, Share::kAll);
+  Result<Material> part = load(kVdim, -1, Share::kWhole);
   if (!part) return part.issue();
   return std::move(*part->stored_vdim);
 }
 
-Result<SurfaceMaps> AssetFile::loadSurface(Share share, const SurfaceMaps* tail) const {
+Result<SurfaceMaps> AssetFile::loadSurface(Share share, const SurfaceMaps* lead) const {
   Result<Material> part = withoutExceptions(name_, [&] {
     std::optional<Material> leading;
-    if (tail) leading.emplace().surface = *tail;
+    if (lead) leading.emplace().surface = *lead;
     return load(kSurf, -1, share, std::move(leading));
   });
   if (!part) return part.issue();

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "material/model/leading_part.h"
-
 namespace loden {
 
 std::string chunkName(uint32_t type) {
@@ -40,82 +38,47 @@ auto texturesOf(MaterialType& material, const Part& part) {
   return textures;
 }
 
-// Bytes of a part that stand together in one texture's data.
-struct TexelRun {
-  size_t texture = 0;  // index into partTextures
-  uint64_t offset = 0, bytes = 0;
-};
-
-// Layers or slices [first, end) of one mip.
-TexelRun layersOf(size_t texture, const Texture& t, int mip, uint64_t first, uint64_t end) {
-  const uint64_t layer = textureBytes(t.format, t.mipWidth(mip), t.mipHeight(mip), 1, 1);
-  return {texture, t.mipOffset(mip) + first * layer, (end - first) * layer};
-}
-
-TexelRun mipsOf(size_t texture, const Texture& t, int first, int end) {
-  return {texture, t.mipOffset(first), t.mipOffset(end) - t.mipOffset(first)};
-}
-
-std::vector<TexelRun> splitBandRuns(const Band& band, bool lead) {
-  const Texture &weights = band.weights, &table = band.table;
-  const uint64_t first = band.lead_quads, quads = band.quads(), layers = band.layers(), depth = weights.depth;
-  const uint64_t slices = table.depth / quads;
-  std::vector<TexelRun> runs;
-  for (int mip = 0; mip < weights.mips; ++mip) {
-    runs.push_back(layersOf(0, weights, mip, lead ? 0 : first, lead ? first : quads));
-    runs.push_back(
-        layersOf(0, weights, mip, lead ? quads : layers, lead ? layers : depth));  // ratio; spare layers
-  }
-  runs.push_back(layersOf(1, table, 0, lead ? 0 : first * slices, (lead ? first : quads) * slices));
-  return runs;
-}
-
-// In the order of a part's raw bytes.
+// What the part holds, in the order of its raw bytes: the leading part's runs, or what they leave over.
 std::vector<TexelRun> runsOf(const Material& material, const Part& part) {
-  using enum Part::Share;
-  if (part.type == kBand && part.share != kWhole)
-    return splitBandRuns(material.bands[part.band], part.share == kLead);
+  std::vector<TexelRun> lead, rest;
+  if (part.type == kBand) lead = leadRuns(material.bands[part.band]);
+  if (part.type == kSurf) lead = leadRuns(*material.surface);
+  if (!part.rest && !lead.empty()) return lead;
   const std::vector<const Texture*> textures = partTextures(material, part);
-  std::vector<TexelRun> runs;
-  if (part.share == kWhole) {
-    for (size_t i = 0; i < textures.size(); ++i)
-      runs.push_back(mipsOf(i, *textures[i], 0, textures[i]->mips));
-    return runs;
+  for (size_t i = 0, next = 0; i < textures.size(); ++i) {
+    uint64_t at = 0;
+    for (; next < lead.size() && lead[next].texture == i; ++next) {
+      rest.push_back({i, at, lead[next].offset - at});
+      at = lead[next].offset + lead[next].bytes;
+    }
+    rest.push_back({i, at, textureBytes(*textures[i]) - at});
   }
-  for (const SurfaceMapRow& row : kSurfaceMapRows) {
-    const Texture& map = (*material.surface).*row.texture;
-    if (!described(map)) continue;
-    const int tail = tailMip(*material.surface, row);
-    const bool rest = part.share == kRest;
-    runs.push_back(mipsOf(runs.size(), map, rest ? 0 : tail, rest ? tail : map.mips));
-  }
-  return runs;
-}
-
-void addParts(std::vector<Part>& parts, const Material& material, uint32_t type, int band = -1) {
-  parts.push_back(firstPart(material, type, band));
-  if (parts.back().share == Part::Share::kLead) parts.push_back({type, band, Part::Share::kRest});
+  return rest;
 }
 
 }  // namespace
 
-Part firstPart(const Material& material, uint32_t type, int band) {
+std::vector<Part> partsOf(const Material& material, uint32_t type, int band, Share share) {
   const bool split = type == kBand   ? material.bands[band].lead_quads > 0
                      : type == kSurf ? material.surface && material.surface->tail_mip > 0
                                      : false;
-  return {type, band, split ? Part::Share::kLead : Part::Share::kWhole};
+  std::vector<Part> parts = {{type, band}};
+  if (split && share == Share::kWhole) parts.push_back({type, band, true});
+  return parts;
 }
 
 std::vector<Part> partsOf(const Material& material) {
   std::vector<Part> parts = {{kHead}};
+  const auto add = [&](uint32_t type, int band = -1) {
+    for (const Part& part : partsOf(material, type, band)) parts.push_back(part);
+  };
   int next_band = static_cast<int>(material.bands.size()) - 1;
-  if (next_band >= 0 && material.bands[next_band].domain == Domain::kReference)
-    addParts(parts, material, kBand, next_band--);
-  if (described(material.geometry.texels)) parts.push_back({kGeom});
-  if (material.stored_vdim) parts.push_back({kVdim});
-  while (next_band >= 0) addParts(parts, material, kBand, next_band--);
-  if (material.surface) addParts(parts, material, kSurf);
-  if (!material.meta_json.empty()) parts.push_back({kMeta});
+  if (next_band >= 0 && material.bands[next_band].domain == Domain::kReference) add(kBand, next_band--);
+  if (described(material.geometry.texels)) add(kGeom);
+  if (material.stored_vdim) add(kVdim);
+  while (next_band >= 0) add(kBand, next_band--);
+  if (material.surface) add(kSurf);
+  if (!material.meta_json.empty()) add(kMeta);
   return parts;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "material/asset/asset.h"
-#include "material/model/material.h"
+#include "material/model/leading_part.h"
 
 namespace loden::asset {
 
@@ -51,10 +51,9 @@ constexpr uint64_t alignUp(uint64_t offset) {
 // One chunk that this version knows; `band` indexes Material::bands for kBand, else -1. A split band, or
 // split surface maps, are two chunks: the leading part (material/model/leading_part.h), and the rest.
 struct Part {
-  enum class Share { kWhole, kLead, kRest };
   uint32_t type = 0;
   int band = -1;
-  Share share = Share::kWhole;
+  bool rest = false;
   friend bool operator==(const Part&, const Part&) = default;
 };
 
@@ -62,14 +61,15 @@ struct Part {
 // bands, the surface maps, META. The maps come first of all if even the coarsest band is read at p.
 std::vector<Part> partsOf(const Material& material);
 
-// The first part of a band, or of anything else: the only one if it is not split.
-Part firstPart(const Material& material, uint32_t type, int band = -1);
+// Of them those of one band, or of anything else.
+std::vector<Part> partsOf(const Material& material, uint32_t type, int band = -1,
+                          Share share = Share::kWhole);
 
-// The textures that a part is, or is a share of, in order. Empty for kHead and kMeta.
+// The textures that a part holds, or holds some texels of, in order. Empty for kHead and kMeta.
 std::vector<Texture*> partTextures(Material& material, const Part& part);
 std::vector<const Texture*> partTextures(const Material& material, const Part& part);
 
-// Raw bytes that the textures' extents need.
+// A part's raw bytes, as the textures' extents need them.
 uint64_t partBytes(const Material& material, const Part& part);
 
 // A part's raw bytes, from textures whose data is complete; and back, into data that is given its full size.

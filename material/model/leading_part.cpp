@@ -8,75 +8,88 @@
 namespace loden {
 namespace {
 
-// Without texels.
-Texture described(const Texture& t, int width, int height, int depth, int mips) {
-  return {t.format, t.shape, width, height, depth, mips, {}};
+// Layers or slices [first, end) of one mip.
+TexelRun layerRun(size_t texture, const Texture& t, int mip, int first, int end) {
+  const uint64_t layer = textureBytes(t.format, t.mipWidth(mip), t.mipHeight(mip), 1, 1);
+  return {texture, t.mipOffset(mip) + first * layer, (end - first) * layer};
 }
 
-// Appends layers [first, first + count) of one mip.
-void appendLayers(const Texture& from, int mip, int first, int count, std::vector<std::byte>& into) {
-  const size_t layer = from.mipBytes(mip) / size_t(from.depth);
-  const auto begin = from.data.begin() + ptrdiff_t(from.mipOffset(mip) + size_t(first) * layer);
-  into.insert(into.end(), begin, begin + ptrdiff_t(size_t(count) * layer));
-}
-
-Texture tailOf(const Texture& map, int mip) {
-  if (map.width == 0) return map;
-  Texture tail = described(map, map.mipWidth(mip), map.mipHeight(mip), map.depth, map.mips - mip);
-  if (!map.empty()) tail.data.assign(map.data.begin() + ptrdiff_t(map.mipOffset(mip)), map.data.end());
-  return tail;
-}
-
-}  // namespace
-
-Band leadOf(const Band& band) {
-  if (band.lead_quads == 0) return band;
-  Band lead;
-  lead.domain = band.domain;
-  lead.filter = band.filter;
-  lead.layout = band.layout;
-  lead.window = band.window;
-  lead.lambda_first = band.lambda_first;
-  lead.y_quads = band.lead_quads;
-  lead.ratio = band.ratio;
-  lead.quad_scale.assign(band.quad_scale.begin(), band.quad_scale.begin() + band.lead_quads);
-  lead.quad_levels.assign(band.quad_levels.begin(), band.quad_levels.begin() + band.lead_quads);
-  lead.ratio_scale = band.ratio_scale;
-  const Texture &weights = band.weights, &table = band.table;
-  const int slices = table.depth / band.quads() * band.lead_quads;
-  lead.weights = described(weights, weights.width, weights.height, lead.layers(), weights.mips);
-  lead.table = described(table, table.width, table.height, slices, 1);
-  for (int mip = 0; mip < weights.mips && !weights.empty(); ++mip) {
-    appendLayers(weights, mip, 0, band.lead_quads, lead.weights.data);
-    if (band.ratio) appendLayers(weights, mip, band.quads(), 1, lead.weights.data);
+// Leaves of a texture's data what the leading part of the whole has of it.
+template <class Whole>
+void keepLead(const Whole& whole, size_t texture, Texture& t) {
+  if (t.empty()) return;
+  std::vector<std::byte> data;
+  for (const TexelRun& run : leadRuns(whole)) {
+    const auto from = t.data.begin() + ptrdiff_t(run.offset);
+    if (run.texture == texture) data.insert(data.end(), from, from + ptrdiff_t(run.bytes));
   }
-  if (!table.empty()) appendLayers(table, 0, 0, slices, lead.table.data);
-  return lead;
+  t.data = std::move(data);
 }
 
-SurfaceMaps withoutShadow(SurfaceMaps maps) {
-  maps.shadow = maps.shadow_table = {};
-  return maps;
-}
-
+// The mip of a map whose level is that of tail_mip of normal and color, or the nearest that there is; 0 of
+// tables.
 int tailMip(const SurfaceMaps& maps, const SurfaceMapRow& row) {
   if (!row.first) return 0;
   const float finest = maps.lambda_first + float(maps.tail_mip) - maps.*row.first;
   return std::clamp(static_cast<int>(std::lround(finest)), 0, (maps.*row.texture).mips - 1);
 }
 
-SurfaceMaps tailOf(const SurfaceMaps& maps) {
-  SurfaceMaps tail;
-  for (const SurfaceMapRow& row : kSurfaceMapRows) {
-    tail.*row.texture = tailOf(maps.*row.texture, tailMip(maps, row));
-    if (row.first && (maps.*row.texture).width > 0)
-      tail.*row.first = maps.*row.first + float(tailMip(maps, row));
+}  // namespace
+
+std::vector<TexelRun> leadRuns(const Band& band) {
+  std::vector<TexelRun> runs;
+  if (band.lead_quads == 0) return runs;
+  for (int mip = 0; mip < band.weights.mips; ++mip) {
+    runs.push_back(layerRun(0, band.weights, mip, 0, band.lead_quads));
+    runs.push_back(layerRun(0, band.weights, mip, band.quads(), band.layers()));  // the ratio layer
   }
-  tail.lobe = maps.lobe;
-  tail.specular_scale = maps.specular_scale;
-  tail.fade_begin = maps.fade_begin, tail.fade_end = maps.fade_end;
-  tail.visibility = maps.visibility;
-  return tail;
+  runs.push_back(layerRun(1, band.table, 0, 0, band.table.depth / band.quads() * band.lead_quads));
+  return runs;
+}
+
+std::vector<TexelRun> leadRuns(const SurfaceMaps& maps) {
+  std::vector<TexelRun> runs;
+  if (maps.tail_mip == 0) return runs;
+  for (const SurfaceMapRow& row : kSurfaceMapRows)
+    if (const Texture& map = maps.*row.texture; map.width > 0) {
+      const uint64_t offset = map.mipOffset(tailMip(maps, row));
+      runs.push_back({runs.size(), offset, textureBytes(map) - offset});
+    }
+  return runs;
+}
+
+Band leadOf(const Band& band) {
+  if (band.lead_quads == 0) return band;
+  Band lead = band;
+  keepLead(band, 0, lead.weights);
+  keepLead(band, 1, lead.table);
+  lead.y_quads = band.lead_quads, lead.chroma_quads = lead.lead_quads = 0;
+  lead.quad_scale.resize(size_t(lead.y_quads));
+  lead.quad_levels.resize(size_t(lead.y_quads));
+  lead.weights.depth = lead.layers();
+  lead.table.depth = band.table.depth / band.quads() * lead.y_quads;
+  return lead;
+}
+
+SurfaceMaps leadOf(const SurfaceMaps& maps) {
+  if (maps.tail_mip == 0) return maps;
+  SurfaceMaps lead = maps;
+  size_t texture = 0;
+  for (const SurfaceMapRow& row : kSurfaceMapRows) {
+    Texture& map = lead.*row.texture;
+    if (map.width == 0) continue;
+    const int mip = tailMip(maps, row);
+    keepLead(maps, texture++, map);
+    map.width = map.mipWidth(mip), map.height = map.mipHeight(mip), map.mips -= mip;
+    if (row.first) lead.*row.first = maps.*row.first + float(mip);
+  }
+  lead.tail_mip = 0;
+  return lead;
+}
+
+SurfaceMaps withoutShadow(SurfaceMaps maps) {
+  maps.shadow = maps.shadow_table = {};
+  return maps;
 }
 
 uint64_t gpuBytes(const Band& band) {
@@ -105,8 +118,8 @@ void splitLeadingParts(Material& material) {
     SurfaceMaps& maps = *material.surface;
     const int last = material.bands.empty() ? std::min(maps.normal.mips, maps.color.mips) - 1 : 0;
     maps.tail_mip = 0;
-    while (maps.tail_mip < last && gpuBytes(tailOf(maps)) > kLeadingPartBytes) ++maps.tail_mip;
-    if (gpuBytes(tailOf(maps)) > kLeadingPartBytes) maps.tail_mip = 0;
+    while (maps.tail_mip < last && gpuBytes(leadOf(maps)) > kLeadingPartBytes) ++maps.tail_mip;
+    if (gpuBytes(leadOf(maps)) > kLeadingPartBytes) maps.tail_mip = 0;
   }
 }
 
@@ -114,7 +127,7 @@ uint64_t leadingPartBytes(const Material& material) {
   uint64_t bytes = 0;
   for (const Band& band : material.bands)
     if (band.lead_quads > 0) bytes += gpuBytes(leadOf(band));
-  if (material.surface && material.surface->tail_mip > 0) bytes += gpuBytes(tailOf(*material.surface));
+  if (material.surface && material.surface->tail_mip > 0) bytes += gpuBytes(leadOf(*material.surface));
   return bytes;
 }
 

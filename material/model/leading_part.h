@@ -7,13 +7,26 @@
 
 namespace loden {
 
-// The band of the first lead_quads quads, or of all if it is 0; not split itself. Without texels if `band`
-// has none.
-Band leadOf(const Band& band);
+// How much of a band or of surface maps; of what is not split either is all.
+enum class Share { kLead, kWhole };
 
-// The maps from mip tail_mip on, whose lambda_first says so; not split themselves. Without texels if `maps`
-// have none.
-SurfaceMaps tailOf(const SurfaceMaps& maps);
+// Bytes that stand together in the data of one texture.
+struct TexelRun {
+  size_t texture =
+      0;  // of a band 0 the weights, 1 the table; of surface maps the place among those there are
+  uint64_t offset = 0, bytes = 0;
+};
+
+// The leading part's texels, in the order in which they are stored; the rest is what they leave over. Nothing
+// if the band or the maps are not split.
+std::vector<TexelRun> leadRuns(const Band& band);
+std::vector<TexelRun> leadRuns(const SurfaceMaps& maps);
+
+// The band or the maps that the leading part makes; of what is not split, all. Not split themselves. Without
+// texels if the whole has none.
+Band leadOf(const Band& band);
+SurfaceMaps leadOf(const SurfaceMaps& maps);
+
 // Bytes on the GPU, with the table for light from all around that a band is given there.
 uint64_t gpuBytes(const Band& band);
 uint64_t gpuBytes(const SurfaceMaps& maps);

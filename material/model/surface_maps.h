@@ -91,8 +91,4 @@ inline constexpr std::array kSurfaceMapRows = {
 // Without the shadow map and its table.
 SurfaceMaps withoutShadow(SurfaceMaps maps);
 
-// The mip of a map whose level is that of tail_mip of normal and color, or the nearest that there is; 0 of
-// tables.
-int tailMip(const SurfaceMaps& maps, const SurfaceMapRow& row);
-
 }  // namespace loden

@@ -193,7 +193,7 @@ void applyResidency(LodenMaterialData& data, const Material& material, const Res
   data.atlas_texels = state.atlas.texels, data.atlas_directions = state.atlas.directions;
   if (material.surface) {
     const SurfaceMaps& maps = *material.surface;
-    const SurfaceMaps read = state.tail ? tailOf(maps) : maps;
+    const SurfaceMaps read = state.tail ? leadOf(maps) : maps;
     data.surface_lambda = read.lambda_first, data.ambient_lambda = read.ambient_first;
     // Bands stand in for what is not there.
     data.near_end = maps.fade_end, data.near_slope = state.surface ? ramp(maps.fade_begin, maps.fade_end) : 0;

@@ -33,16 +33,6 @@ float parallaxEnd(const Material& material) {
   return std::clamp(std::log2(std::max(texels, 1.0f)), 0.0f, material.lambda_max + 1);
 }
 
-PartPlan geometryPart(const Material& material, float lambda_end, VdimAtlasSize full) {
-  const VdimAtlasSize atlas = vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas) ? kFirstVdimAtlas : full;
-  return {PartKind::kGeometry, 0, atlas, {vdimAtlasBytes(material.geometry, atlas), lambda_end}};
-}
-
-// The depths alone: image and volume stay those of the geometry part.
-PartPlan atlasPart(float lambda_end, VdimAtlasSize full) {
-  return {PartKind::kAtlas, 0, full, {vdimDepthBytes(full), std::min(lambda_end, kFirstAtlasLambda), true}};
-}
-
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
   const PaperVdim& vdim = *material.stored_vdim;
   return {
@@ -54,14 +44,14 @@ SurfaceMaps mapsOf(const Material& material, const MaterialVariant& variant) {
   return variant.shadow_quads > 0 ? *material.surface : withoutShadow(*material.surface);
 }
 
-// The maps, or first their tail and further on the whole.
+// The maps, or first their leading part and further on the whole.
 void addSurface(std::vector<PartPlan>& parts, const Material& material, const MaterialVariant& variant) {
   const SurfaceMaps maps = mapsOf(material, variant);
-  const bool split = maps.tail_mip > 0;
-  parts.push_back({split ? PartKind::kSurfaceTail : PartKind::kSurface,
+  parts.push_back({PartKind::kSurface,
                    0,
                    {},
-                   {gpuBytes(tailOf(maps)), coarsestLevel(material) + coarsestFade(material)},
+                   {gpuBytes(leadOf(maps)), coarsestLevel(material) + coarsestFade(material)},
+                   maps.tail_mip > 0 ? Share::kLead : Share::kWhole,
                    variant.shadow_quads > 0});
 }
 void addWholeSurface(std::vector<PartPlan>& parts, const Material& material, const MaterialVariant& variant) {
@@ -73,22 +63,30 @@ void addWholeSurface(std::vector<PartPlan>& parts, const Material& material, con
   const auto finer = std::find_if(parts.begin(), parts.end(), [&](const PartPlan& part) {
     return part.desc.lambda_end < desc.lambda_end;
   });
-  parts.insert(finer, {PartKind::kSurface, 0, {}, desc, variant.shadow_quads > 0});
+  parts.insert(finer, {PartKind::kSurface, 0, {}, desc, Share::kWhole, variant.shadow_quads > 0});
 }
 
-bool readsAtlas(Lookup lookup) {
-  return lookup == Lookup::kFast || lookup == Lookup::kDefault;
-}
-
+// The geometry image and its atlas, or first with a small one.
 void addLookupPart(std::vector<PartPlan>& parts, const Material& material, Lookup lookup, float end,
                    VdimAtlasSize full) {
   if (lookup == Lookup::kPaper) parts.push_back(storedVdimPart(material, end));
-  if (readsAtlas(lookup)) parts.push_back(geometryPart(material, end, full));
+  if (lookup != Lookup::kFast && lookup != Lookup::kDefault) return;
+  const bool split = vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas);
+  const VdimAtlasSize atlas = split ? kFirstVdimAtlas : full;
+  parts.push_back({PartKind::kGeometry,
+                   0,
+                   atlas,
+                   {vdimAtlasBytes(material.geometry, atlas), end},
+                   split ? Share::kLead : Share::kWhole});
 }
-
-void addFullAtlas(std::vector<PartPlan>& parts, Lookup lookup, float end, VdimAtlasSize full) {
-  if (readsAtlas(lookup) && vdimDepthBytes(full) > vdimDepthBytes(kFirstVdimAtlas))
-    parts.push_back(atlasPart(end, full));
+// The depths alone: image and volume stay those of the leading part.
+void addFullAtlas(std::vector<PartPlan>& parts, float end, VdimAtlasSize full) {
+  const bool split = std::any_of(parts.begin(), parts.end(), [](const PartPlan& part) {
+    return part.kind == PartKind::kGeometry && part.share == Share::kLead;
+  });
+  if (!split) return;
+  parts.push_back(
+      {PartKind::kGeometry, 0, full, {vdimDepthBytes(full), std::min(end, kFirstAtlasLambda), true}});
 }
 
 // What follows them is needed below `next_end`.
@@ -98,7 +96,7 @@ void addBands(std::vector<PartPlan>& parts, const Material& material, Domain dom
     if (band.domain != domain) continue;
     const float end = bandEnd(material, band);
     const bool split = band.lead_quads > 0;
-    if (split) parts.push_back({PartKind::kBandLead, b, {}, {gpuBytes(leadOf(band)), end}});
+    if (split) parts.push_back({PartKind::kBand, b, {}, {gpuBytes(leadOf(band)), end}, Share::kLead});
     // Where only leading quads add something, nobody asks for the rest.
     const float rest_end =
         split ? std::min(end, std::max(band.quad_levels[size_t(band.lead_quads)].end, next_end)) : end;
@@ -106,16 +104,13 @@ void addBands(std::vector<PartPlan>& parts, const Material& material, Domain dom
   }
 }
 
-template <class Texels>
-std::shared_ptr<const KeptTexels> keeping(Texels KeptTexels::*member, Texels texels) {
-  auto kept = std::make_shared<KeptTexels>();
-  (*kept).*member = std::move(texels);
-  return kept;
+std::shared_ptr<const Material> keeping(Material lead) {
+  return std::make_shared<const Material>(std::move(lead));
 }
 
-Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Share share,
-                                const KeptTexels* kept) {
-  Result<Band> band = file.loadBand(index, share, kept ? &kept->lead : nullptr);
+Result<LoadedPart> loadBandPart(const AssetFile& file, const PartPlan& plan, const Material* lead) {
+  const int index = plan.band;
+  Result<Band> band = file.loadBand(index, plan.share, lead ? &lead->bands.front() : nullptr);
   if (!band) return band.issue();
   const Sampling weights =
       band->filter == WeightFilter::kLinear ? Sampling::kRepeatTrilinear : Sampling::kRepeatNearest;
@@ -123,7 +118,7 @@ Result<LoadedPart> loadBandPart(const AssetFile& file, int index, AssetFile::Sha
       band->layout == TableLayout::kGrid ? Sampling::kClampLinear : Sampling::kClampNearest;
   Texture environment = environmentTable(file.skeleton(), *band);
   LoadedPart part;
-  if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::lead, *band);
+  if (plan.share == Share::kLead) part.lead = keeping({.bands = {*band}});
   part.textures.push_back({LODEN_UNIT_WEIGHTS + index, weights, false, "weights", std::move(band->weights)});
   const int bands = static_cast<int>(file.skeleton().bands.size());
   part.textures.push_back({LODEN_UNIT_TABLE(bands) + index, table, false, "table", std::move(band->table)});
@@ -136,37 +131,31 @@ PartTexture depthTexture(Texture depth) {
   return {LODEN_UNIT_VDIM_DEPTH, Sampling::kRepeatNearest, false, "VDIM depth", std::move(depth)};
 }
 
-Result<LoadedPart> loadGeometryPart(const AssetFile& file, VdimAtlasSize size, int threads,
-                                    const std::stop_token& stop) {
-  Result<GeometryImage> image = file.loadGeometry();
-  if (!image) return image.issue();
-  if (Status status = checkVdimWork(*image, size); !status) return status.issue();
-  VdimAtlas atlas = buildVdimAtlas(*image, size, onThreads(threads, stop));
+Result<LoadedPart> loadGeometryPart(const AssetFile& file, const PartPlan& plan, const Material* lead,
+                                    int threads, const std::stop_token& stop) {
+  GeometryImage read;
+  if (!lead) {
+    Result<GeometryImage> image = file.loadGeometry();
+    if (!image) return image.issue();
+    read = std::move(*image);
+  }
+  const GeometryImage& image = lead ? lead->geometry : read;
+  if (Status status = checkVdimWork(image, plan.atlas); !status) return status.issue();
   LoadedPart part;
+  if (plan.desc.refines) {
+    part.textures.push_back(depthTexture(buildVdimDepth(image, plan.atlas, onThreads(threads, stop))));
+    return part;
+  }
+  VdimAtlas atlas = buildVdimAtlas(image, plan.atlas, onThreads(threads, stop));
   const Sampling sampling =
-      image->identity_parameterization ? Sampling::kRepeatLinear : Sampling::kRepeatNearest;
+      image.identity_parameterization ? Sampling::kRepeatLinear : Sampling::kRepeatNearest;
   part.textures.push_back(
       {LODEN_UNIT_GEOMETRY, sampling, true, "geometry", std::move(atlas.geometry.texels)});
   part.textures.push_back(depthTexture(std::move(atlas.depth)));
   if (!atlas.volume.empty())
     part.textures.push_back(
         {LODEN_UNIT_VDIM_VOLUME, Sampling::kClampNearest, false, "VDIM volume", std::move(atlas.volume)});
-  if (size == kFirstVdimAtlas) part.kept = keeping(&KeptTexels::geometry, std::move(*image));
-  return part;
-}
-
-Result<LoadedPart> loadAtlasPart(const AssetFile& file, VdimAtlasSize size, const KeptTexels* kept,
-                                 int threads, const std::stop_token& stop) {
-  GeometryImage read;
-  if (!kept) {
-    Result<GeometryImage> image = file.loadGeometry();
-    if (!image) return image.issue();
-    read = std::move(*image);
-  }
-  const GeometryImage& image = kept ? kept->geometry : read;
-  if (Status status = checkVdimWork(image, size); !status) return status.issue();
-  LoadedPart part;
-  part.textures.push_back(depthTexture(buildVdimDepth(image, size, onThreads(threads, stop))));
+  if (plan.share == Share::kLead) part.lead = keeping({.geometry = std::move(read)});
   return part;
 }
 
@@ -188,14 +177,13 @@ static_assert(LODEN_UNIT_COLOR(1) == LODEN_UNIT_NORMAL(1) + 1 &&
               LODEN_UNIT_SHADOW_TABLE(1) == LODEN_UNIT_NORMAL(1) + 4 &&
               LODEN_UNIT_INDIRECT(1) == LODEN_UNIT_NORMAL(1) + 5);
 
-Result<LoadedPart> loadSurfacePart(const AssetFile& file, AssetFile::Share share, const KeptTexels* kept,
-                                   bool shadow) {
-  Result<SurfaceMaps> maps = file.loadSurface(share, kept ? &kept->tail : nullptr);
+Result<LoadedPart> loadSurfacePart(const AssetFile& file, const PartPlan& plan, const Material* lead) {
+  Result<SurfaceMaps> maps = file.loadSurface(plan.share, lead ? &*lead->surface : nullptr);
   if (!maps) return maps.issue();
   LoadedPart part;
-  if (share == AssetFile::Share::kFirst) part.kept = keeping(&KeptTexels::tail, *maps);
+  if (plan.share == Share::kLead) part.lead = keeping({.surface = *maps});
   const int bands = static_cast<int>(file.skeleton().bands.size());
-  if (!shadow) *maps = withoutShadow(std::move(*maps));
+  if (!plan.shadow) *maps = withoutShadow(std::move(*maps));
   int unit = LODEN_UNIT_NORMAL(bands);
   for (const SurfaceMapRow& row : kSurfaceMapRows) {
     Texture& map = (*maps).*row.texture;
@@ -218,22 +206,18 @@ std::string extentsText(glm::ivec3 size) {
 }
 
 void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& part) {
+  if (part.share == Share::kLead && part.kind != PartKind::kGeometry) return;  // the whole is larger
   const VdimAtlasSize atlas = part.atlas;
   const auto add = [&all](const char* what, const Texture& t) {
     all.push_back({what, t.shape, {t.width, t.height, t.depth}});
   };
   switch (part.kind) {
-    case PartKind::kBandLead:
-    case PartKind::kSurfaceTail:
-      return;  // the whole follows, and is larger
     case PartKind::kBand:
       add("band weights", material.bands[size_t(part.band)].weights);
       add("a band table", material.bands[size_t(part.band)].table);
       return;
     case PartKind::kGeometry:
       add("a geometry image", material.geometry.texels);
-      [[fallthrough]];
-    case PartKind::kAtlas:
       all.push_back({"a VDIM atlas",
                      TextureShape::kArray2D,
                      {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
@@ -258,7 +242,7 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
     addSurface(parts, material, variant);
     addLookupPart(parts, material, variant.lookup, end, full_atlas);
     addWholeSurface(parts, material, variant);
-    addFullAtlas(parts, variant.lookup, end, full_atlas);
+    addFullAtlas(parts, end, full_atlas);
     return parts;
   }
   const float near_end = variant.near ? nearEnd(material) : 0;
@@ -272,9 +256,10 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
                      0,
                      {},
                      {gpuBytes(mapsOf(material, variant)), near_end},
+                     Share::kWhole,
                      variant.shadow_quads > 0});
   addBands(parts, material, Domain::kFlat, 0);
-  addFullAtlas(parts, variant.lookup, flat_end, full_atlas);
+  addFullAtlas(parts, flat_end, full_atlas);
   return parts;
 }
 
@@ -293,32 +278,19 @@ Status checkExtents(const Material& material, std::span<const PartPlan> parts, c
   return {};
 }
 
-PartKind beginsWith(PartKind kind) {
-  if (kind == PartKind::kBand) return PartKind::kBandLead;
-  if (kind == PartKind::kAtlas) return PartKind::kGeometry;
-  return kind == PartKind::kSurface ? PartKind::kSurfaceTail : kind;
-}
-
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads,
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const Material* lead, int threads,
                             const std::stop_token& stop) {
-  using enum AssetFile::Share;
   switch (plan.kind) {
-    case PartKind::kBandLead:
-      return loadBandPart(file, plan.band, kFirst, nullptr);
     case PartKind::kBand:
-      return loadBandPart(file, plan.band, kAll, kept);
+      return loadBandPart(file, plan, lead);
     case PartKind::kGeometry:
-      return loadGeometryPart(file, plan.atlas, threads, stop);
-    case PartKind::kAtlas:
-      return loadAtlasPart(file, plan.atlas, kept, threads, stop);
+      return loadGeometryPart(file, plan, lead, threads, stop);
     case PartKind::kStoredVdim:
       return loadStoredVdimPart(file);
-    case PartKind::kSurfaceTail:
-      return loadSurfacePart(file, kFirst, nullptr, plan.shadow);
     case PartKind::kSurface:
       break;
   }
-  return loadSurfacePart(file, kAll, kept, plan.shadow);
+  return loadSurfacePart(file, plan, lead);
 }
 
 }  // namespace loden::runtime

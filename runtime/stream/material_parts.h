@@ -16,14 +16,18 @@
 
 namespace loden::runtime {
 
-enum class PartKind : uint8_t { kBandLead, kBand, kGeometry, kAtlas, kStoredVdim, kSurfaceTail, kSurface };
+enum class PartKind : uint8_t { kBand, kGeometry, kStoredVdim, kSurface };
 
+// A leading part is followed by the whole, of the same kind and band: of bands and surface maps as
+// material/model/leading_part.h has it; of the geometry the image with a small atlas, before the depths of
+// the full one.
 struct PartPlan {
   PartKind kind = PartKind::kBand;
-  int band = 0;         // of kBandLead and kBand: index in Material::bands
-  VdimAtlasSize atlas;  // of kGeometry, which brings a small one, and of kAtlas, which replaces that
+  int band = 0;         // of kBand: index in Material::bands
+  VdimAtlasSize atlas;  // of kGeometry
   PartDesc desc;
-  bool shadow = false;  // of kSurfaceTail and kSurface: with the shadow map
+  Share share = Share::kWhole;
+  bool shadow = false;  // of kSurface: with the shadow map
 };
 
 // Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is
@@ -31,10 +35,9 @@ struct PartPlan {
 inline constexpr float kFirstAtlasLambda = 1;
 
 // Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.
-// Surface maps of a material without bands come before their geometry, or their tail
-// does; of one with bands behind it. A leading part (material/model/leading_part.h)
-// stands before the whole, has textures of its own, and is shown again when the whole goes. Last the full
-// atlas, if it is larger than the first. Only what the variant reads.
+// Surface maps of a material without bands come before their geometry, or their leading part does; of one
+// with bands behind it. A leading part stands before the whole, has textures of its own, and is shown again
+// when the whole goes. Last the full atlas, if it is larger than the first. Only what the variant reads.
 std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant,
                                 VdimAtlasSize full_atlas);
 
@@ -58,26 +61,17 @@ struct PartTexture {
   const char* label = "";
   Texture texels;
 };
-// What a part was made of, if a later part begins with the same: kept until that is asked for, since reading
-// it again would cost more than the memory does for the while.
-struct KeptTexels {
-  GeometryImage geometry;  // of kGeometry, for kAtlas
-  Band lead;               // of kBandLead, for kBand
-  SurfaceMaps tail;        // of kSurfaceTail, for kSurface
-};
 
 struct LoadedPart {
   std::vector<PartTexture> textures;
-  std::shared_ptr<const KeptTexels> kept;
+  // What a leading part was made of, kept until the whole is asked for: reading it again would cost more than
+  // the memory does for the while.
+  std::shared_ptr<const Material> lead;
 };
 
-// The kind of the part whose kept texels such a part begins with; its own kind if there is none.
-PartKind beginsWith(PartKind kind);
-
-// Reads, checks and decompresses; builds VDIM atlases. What is kept of the part that this one begins with is
-// not read again; null: all is read. After a stop an atlas comes back before it is whole. For the loading
-// threads.
-Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const KeptTexels* kept, int threads,
+// Reads, checks and decompresses; builds VDIM atlases. Of a whole `lead` is not read again; null: all is
+// read. After a stop an atlas comes back before it is whole. For the loading threads.
+Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const Material* lead, int threads,
                             const std::stop_token& stop = {});
 
 }  // namespace loden::runtime

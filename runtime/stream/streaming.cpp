@@ -22,7 +22,7 @@ constexpr int kLoadNicer = 10, kRefineNicer = 19;
 // Memory above all: a part that does not fit is a part that failed, not the end of the process.
 Result<LoadedPart> loadRequest(const LoadingThreads::Request& request, const std::stop_token& stop) {
   try {
-    return loadPart(*request.file, request.plan, request.kept.get(), request.atlas_threads, stop);
+    return loadPart(*request.file, request.plan, request.lead.get(), request.atlas_threads, stop);
   } catch (const std::exception& exception) {
     try {
       return Issue{issue_id::kMemory, Severity::kError, request.file->skeleton().name,

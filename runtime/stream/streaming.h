@@ -48,7 +48,7 @@ class LoadingThreads {
     PartTicket ticket;
     std::shared_ptr<const AssetFile> file;
     PartPlan plan;
-    std::shared_ptr<const KeptTexels> kept;  // of the part that this one begins with; null: read again
+    std::shared_ptr<const Material> lead;  // of the whole's; null: read again
     int atlas_threads = 1;
   };
   struct Delivery {

@@ -60,14 +60,12 @@ uint64_t neededBytes(const SceneAsset& asset, float lambda) {
   uint64_t bytes = 0;
   for (const PartPlan& part : planParts(file.skeleton(), variant, {})) {
     if (part.desc.lambda_end <= lambda) continue;
-    if (part.kind == PartKind::kBand) bytes += file.bandStoredBytes(part.band);
-    if (part.kind == PartKind::kGeometry) bytes += file.geometryStoredBytes();
-    // Of split maps the tail and the rest; a band's leading part is needed where the whole is, which counts
-    // it.
-    if (part.kind == PartKind::kSurfaceTail) bytes += file.surfaceStoredBytes(AssetFile::Share::kFirst);
+    if (part.kind == PartKind::kGeometry && !part.desc.refines) bytes += file.geometryStoredBytes();
+    // A band's leading part is needed where the whole is, which counts it; of split maps both are.
+    if (part.kind == PartKind::kBand && part.share == Share::kWhole) bytes += file.bandStoredBytes(part.band);
     if (part.kind == PartKind::kSurface)
-      bytes += file.surfaceStoredBytes() -
-               (part.desc.takes_over ? file.surfaceStoredBytes(AssetFile::Share::kFirst) : 0);
+      bytes += file.surfaceStoredBytes(part.share) -
+               (part.desc.takes_over ? file.surfaceStoredBytes(Share::kLead) : 0);
   }
   return bytes;
 }

@@ -53,14 +53,14 @@ void loadParts(const Bytes& bytes) {
   if (!file) return;
   for (size_t band = 0; band < file->skeleton().bands.size(); ++band) {
     (void)file->loadBand(static_cast<int>(band));
-    const auto lead = file->loadBand(static_cast<int>(band), AssetFile::Share::kFirst);
-    if (lead) (void)file->loadBand(static_cast<int>(band), AssetFile::Share::kAll, &*lead);
+    const auto lead = file->loadBand(static_cast<int>(band), Share::kLead);
+    if (lead) (void)file->loadBand(static_cast<int>(band), Share::kWhole, &*lead);
   }
   (void)file->loadGeometry();
   (void)file->loadStoredVdim();
   (void)file->loadSurface();
-  const auto tail = file->loadSurface(AssetFile::Share::kFirst);
-  if (tail) (void)file->loadSurface(AssetFile::Share::kAll, &*tail);
+  const auto lead = file->loadSurface(Share::kLead);
+  if (lead) (void)file->loadSurface(Share::kWhole, &*lead);
 }
 
 void tryAsset(const Bytes& bytes) {

@@ -417,7 +417,7 @@ TEST_F(MaterialSystemTest, ShowsTheTailOfSurfaceMapsUntilTheyAreThere) {
   Material unsplit = split;
   unsplit.surface->tail_mip = 0;
   auto whole = makeMaterials(), system = makeMaterials(),
-       tight = makeMaterials({.budget_bytes = gpuBytes(tailOf(*split.surface)) + 10});
+       tight = makeMaterials({.budget_bytes = gpuBytes(leadOf(*split.surface)) + 10});
   const MaterialId a = load(*whole, unsplit), b = load(*system, split), c = load(*tight, split);
   whole->demand(a, 0);
   whole->finishLoading();

@@ -25,7 +25,7 @@ std::vector<RawChunk> rawChunks(const Material& material) {
       const auto text = std::as_bytes(std::span(material.meta_json));
       chunk = {kMeta, {text.begin(), text.end()}, 0};
     }
-    if (part.share != Part::Share::kWhole)
+    if (partsOf(material, part.type, part.band).size() > 1)
       chunk.raw = gatherTexels(material, part);
     else
       for (const Texture* t : partTextures(material, part))

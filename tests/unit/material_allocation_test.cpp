@@ -170,11 +170,11 @@ TEST_P(Allocation, OpeningAndLoadingPartsSurvivesEveryFailure) {
   ASSERT_TRUE(file.ok());
   for (size_t band = 0; band < file->skeleton().bands.size(); ++band) {
     expectSurvived("loadBand", [&] { return idOf(file->loadBand(int(band))); });
-    const Result<Band> lead = file->loadBand(int(band), AssetFile::Share::kFirst);
+    const Result<Band> lead = file->loadBand(int(band), Share::kLead);
     ASSERT_TRUE(lead.ok());
     if (file->skeleton().bands[band].lead_quads > 0)
       expectSurvived("the rest of a band",
-                     [&] { return idOf(file->loadBand(int(band), AssetFile::Share::kAll, &*lead)); });
+                     [&] { return idOf(file->loadBand(int(band), Share::kWhole, &*lead)); });
   }
   if (!file->skeleton().geometry.texels.width) return;
   expectSurvived("loadGeometry", [&] { return idOf(file->loadGeometry()); });

@@ -98,7 +98,6 @@ class Counter final : public ByteSource {
 };
 
 TEST(Asset, LoadsALeadingPartByItselfAndThenTheRestAlone) {
-  using enum AssetFile::Share;
   for (const Material& material : {test::splitFusedMaterial(), test::splitSurfaceMaterial()}) {
     SCOPED_TRACE(material.name);
     const auto counter = std::make_shared<Counter>(serialized(material));
@@ -110,18 +109,18 @@ TEST(Asset, LoadsALeadingPartByItselfAndThenTheRestAlone) {
     Material expected = material, lead = material, whole = material;
     if (bands) {
       expected.bands[1] = leadOf(material.bands[1]);
-      lead.bands[1] = *file->loadBand(1, kFirst);
+      lead.bands[1] = *file->loadBand(1, Share::kLead);
     } else {
-      expected.surface = tailOf(*material.surface);
-      lead.surface = *file->loadSurface(kFirst);
+      expected.surface = leadOf(*material.surface);
+      lead.surface = *file->loadSurface(Share::kLead);
     }
     expectSame(lead, expected);
     EXPECT_GT(counter->count, 0u);
     EXPECT_LT(counter->count, stored);
     if (bands)
-      whole.bands[1] = *file->loadBand(1, kAll, &lead.bands[1]);
+      whole.bands[1] = *file->loadBand(1, Share::kWhole, &lead.bands[1]);
     else
-      whole.surface = *file->loadSurface(kAll, &*lead.surface);
+      whole.surface = *file->loadSurface(Share::kWhole, &*lead.surface);
     expectSame(whole, material);
     EXPECT_EQ(counter->count, stored) << "each byte once";
   }
@@ -187,7 +186,7 @@ TEST(Asset, SplitsWhatIsLargerThanALeadingPart) {
     *map = Texture::make(map->format, map->shape, 64, 64, map->depth, 7);
   splitLeadingParts(surface);
   EXPECT_EQ(surface.surface->tail_mip, 1);
-  EXPECT_LE(gpuBytes(tailOf(*surface.surface)), kLeadingPartBytes);
+  EXPECT_LE(gpuBytes(leadOf(*surface.surface)), kLeadingPartBytes);
 }
 
 TEST(Asset, PutsMapsFirstIfTheCoarsestBandIsFlat) {

@@ -37,9 +37,8 @@ struct Slot {
   std::shared_ptr<const AssetFile> file;
   MaterialVariant variant;
   std::vector<PartPlan> plan;
-  std::vector<std::shared_ptr<const KeptTexels>>
-      kept;                       // per part: until the part that begins with it is asked for
-  std::vector<uint64_t> serials;  // per part: of the request that counts
+  std::vector<std::shared_ptr<const Material>> leads;  // per part: LoadedPart::lead
+  std::vector<uint64_t> serials;                       // per part: of the request that counts
   MaterialGpu gpu;
 };
 
@@ -49,31 +48,18 @@ struct Demand {
 };
 
 std::string partName(const PartPlan& part) {
+  const bool lead = part.share == Share::kLead;
   switch (part.kind) {
-    case PartKind::kBandLead:
-      return "band " + std::to_string(part.band) + ", first";
     case PartKind::kBand:
-      return "band " + std::to_string(part.band);
+      return "band " + std::to_string(part.band) + (lead ? ", first" : "");
     case PartKind::kGeometry:
-      return "geometry";
-    case PartKind::kAtlas:
-      return "indirection";
+      return part.desc.refines ? "indirection" : "geometry";
     case PartKind::kStoredVdim:
       return "stored indirection";
-    case PartKind::kSurfaceTail:
-      return "near term, coarse";
     case PartKind::kSurface:
-      return "near term";
+      return lead ? "near term, coarse" : "near term";
   }
   return {};
-}
-
-// Whether a later part begins with what this one was made of.
-bool continues(const std::vector<PartPlan>& plan, uint32_t part) {
-  return std::any_of(plan.begin() + part + 1, plan.end(), [&](const PartPlan& later) {
-    return beginsWith(later.kind) == plan[part].kind && later.kind != plan[part].kind &&
-           later.band == plan[part].band;
-  });
 }
 
 Status checkOptions(const MaterialSystemOptions& options) {
@@ -218,7 +204,7 @@ Result<MaterialId> MaterialSystem::Impl::load(std::shared_ptr<const ByteSource> 
   made.file = file;
   made.variant = *variant;
   made.serials.assign(plan.size(), 0);
-  made.kept.resize(plan.size());
+  made.leads.resize(plan.size());
   made.gpu = MaterialGpu(file->skeleton(), *variant, name, plan.size());
   made.plan = std::move(plan);
   const GlPixelStateScope scope;
@@ -336,7 +322,7 @@ void MaterialSystem::contextLost() {
   for (Slot& slot : impl.slots) {
     slot.gpu.contextLost();
     std::fill(slot.serials.begin(), slot.serials.end(), 0);  // what is being read no longer counts
-    std::fill(slot.kept.begin(), slot.kept.end(), nullptr);
+    std::fill(slot.leads.begin(), slot.leads.end(), nullptr);
   }
   impl.residency.dropAll();
 }
@@ -438,7 +424,7 @@ bool MaterialSystem::Impl::allocateNext(UploadJob& job) {
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
   Slot& slot = slots[job.ticket.ref.slot];
   slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
-  if (continues(slot.plan, job.ticket.ref.part)) slot.kept[job.ticket.ref.part] = std::move(job.part.kept);
+  slot.leads[job.ticket.ref.part] = std::move(job.part.lead);
   residency.arrived(job.ticket.ref);
 }
 
@@ -446,7 +432,7 @@ void MaterialSystem::Impl::evict(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = 0;
   slot.gpu.dropPart(ref.part);
-  slot.kept[ref.part].reset();
+  slot.leads[ref.part].reset();
   loader.cancel(ref);
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
@@ -456,12 +442,12 @@ void MaterialSystem::Impl::request(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = next_serial++;
   const PartPlan& plan = slot.plan[ref.part];
-  std::shared_ptr<const KeptTexels> kept;
+  std::shared_ptr<const Material> lead;
   for (uint32_t part = 0; part < ref.part; ++part)
-    if (slot.plan[part].kind == beginsWith(plan.kind) && slot.plan[part].band == plan.band)
-      kept = std::exchange(slot.kept[part], {});
+    if (slot.plan[part].kind == plan.kind && slot.plan[part].band == plan.band)
+      lead = std::exchange(slot.leads[part], {});
   try {
-    loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(kept), options.atlas_threads});
+    loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(lead), options.atlas_threads});
   } catch (const std::bad_alloc&) {
     failForMemory(ref);
   }
@@ -475,15 +461,14 @@ ResidentState MaterialSystem::Impl::residentState(uint32_t index) const {
     if (!residency.resident({index, part})) continue;
     const PartPlan& plan = slot.plan[part];
     const uint32_t band = 1u << plan.band;
-    if (plan.kind == PartKind::kBandLead) state.bands |= band, state.leads |= band;
+    const bool lead = plan.share == Share::kLead;
     if (plan.kind == PartKind::kBand) {
       state.bands |= band;
-      state.leads &= ~band;
+      state.leads = lead ? state.leads | band : state.leads & ~band;
       state.rest[size_t(plan.band)] = plan.desc.refines ? residency.shownShare({index, part}) : 1;
     }
-    if (plan.kind == PartKind::kSurfaceTail || plan.kind == PartKind::kSurface)
-      state.surface = true, state.tail = plan.kind == PartKind::kSurfaceTail;
-    if (plan.kind == PartKind::kGeometry || plan.kind == PartKind::kAtlas) state.atlas = plan.atlas;
+    if (plan.kind == PartKind::kSurface) state.surface = true, state.tail = lead;
+    if (plan.kind == PartKind::kGeometry) state.atlas = plan.atlas;
   }
   return state;
 }

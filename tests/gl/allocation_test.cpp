@@ -6,12 +6,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <new>
 
 #include "material/base/issues.h"
 #include "runtime/shader/shader_library.h"
+#include "tests/failing_allocation.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
 
@@ -50,27 +49,12 @@ const CodeRange standard_library = standardLibrary();
 const CodeRange program{reinterpret_cast<uintptr_t>(&__executable_start),
                         reinterpret_cast<uintptr_t>(&etext)};
 
-// Of the test's thread, between begin() and end().
 thread_local bool counting = false;
-thread_local long made = 0, fail_at = -1;
-
-bool fails(const void* caller) {
-  if (!counting || !(program.holds(caller) || standard_library.holds(caller))) return false;
-  return made++ == fail_at;
-}
 
 }  // namespace
 
-__attribute__((noinline)) void* operator new(size_t bytes) {
-  void* pointer = fails(__builtin_return_address(0)) ? nullptr : std::malloc(bytes ? bytes : 1);
-  if (!pointer) throw std::bad_alloc();
-  return pointer;
-}
-__attribute__((noinline)) void operator delete(void* pointer) noexcept {
-  std::free(pointer);
-}
-__attribute__((noinline)) void operator delete(void* pointer, size_t) noexcept {
-  std::free(pointer);
+bool loden::test::allocationCounts(const void* caller) {
+  return counting && (program.holds(caller) || standard_library.holds(caller));
 }
 
 namespace loden::test {
@@ -153,7 +137,7 @@ TEST_P(MaterialAllocation, EveryFailureLeavesOthersAsTheyWere) {
     EXPECT_EQ(before, other_picture);
     const int textures = liveTextures();
 
-    made = 0, fail_at = n, counting = true;
+    allocations.begin(n), counting = true;
     const Result<MaterialId> id = system->load(bytes, name);
     const auto frame = [&] {
       try {
@@ -171,7 +155,7 @@ TEST_P(MaterialAllocation, EveryFailureLeavesOthersAsTheyWere) {
     for (int still = 0; still<3; still = system->stats().parts_in_flight> 0 ? 0 : still + 1) frame();
     counting = false;
 
-    outcome.made = made;
+    outcome.made = allocations.made;
     outcome.load_issue = id ? 0 : id.issue().id;
     outcome.failed = system->stats().failed_memory;
     EXPECT_EQ(system->stats().failed_parts, outcome.failed);

@@ -1,15 +1,10 @@
 // `loden validate` and the runtime's loader agree on what is a scene.
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "importer/gltf/pack.h"
 #include "material/base/issues.h"
 #include "runtime/scene/gltf_scene.h"
+#include "tests/unit/triangle_scene.h"
 
 namespace loden {
 namespace {
@@ -17,42 +12,9 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-class GltfAgreement : public testing::Test {
+class GltfAgreement : public test::TriangleScene {
  protected:
-  GltfAgreement() : folder_(fs::temp_directory_path() / ("loden_agree_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-    std::string bytes;
-    const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-    for (const float v : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) add(v);
-    for (const float v : {0.f, 0.f, 1.f, 0.f, 0.f, 1.f}) add(v);
-    for (const uint16_t v : {uint16_t(0), uint16_t(1), uint16_t(2), uint16_t(7)}) add(v);
-    add(std::numeric_limits<float>::infinity()), add(0.f), add(0.f);
-    std::ofstream(folder_ / "scene.bin", std::ios::binary) << bytes;  // 80 bytes
-  }
-  ~GltfAgreement() override { fs::remove_all(folder_); }
-
-  // Two triangles of one mesh: 3 positions, 3 uvs, 3 indices.
-  static Json scene() {
-    return Json::parse(R"({
-      "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
-      "nodes": [{"mesh": 0, "children": [1]}, {}],
-      "meshes": [{"primitives": [
-        {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
-      "materials": [{"name": "cloth"}],
-      "buffers": [{"uri": "scene.bin", "byteLength": 80}],
-      "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24},
-                      {"buffer": 0, "byteOffset": 60, "byteLength": 8},
-                      {"buffer": 0, "byteOffset": 68, "byteLength": 12}],
-      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-                    {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
-                    {"bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR"},
-                    {"bufferView": 3, "componentType": 5126, "count": 1, "type": "VEC3"}]})");
-  }
-
-  fs::path write(const Json& json) const {
-    std::ofstream(folder_ / "scene.gltf", std::ios::binary) << json.dump();
-    return folder_ / "scene.gltf";
-  }
+  fs::path write(const Json& json) const { return TriangleScene::write("scene.gltf", json.dump()); }
   static bool isValid(const fs::path& path) {
     const auto issues = importer::validateGltf(path);
     return issues && std::none_of(issues->begin(), issues->end(),
@@ -73,8 +35,6 @@ class GltfAgreement : public testing::Test {
     const bool kind = id == issue_id::kGltfParse || id == issue_id::kGltfNode;
     EXPECT_TRUE(listed || kind) << what << ": " << id << " " << loaded.issue().text;
   }
-
-  fs::path folder_;
 };
 
 TEST_F(GltfAgreement, BothTakeWhatIsSound) {

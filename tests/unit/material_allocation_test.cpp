@@ -2,82 +2,18 @@
 // of its own, because it replaces the allocator.
 #include <gtest/gtest.h>
 
-#include <cerrno>
-#include <cstdlib>
-#include <new>
+#include <limits>
 
 #include "material/asset/asset.h"
 #include "material/base/issues.h"
+#include "tests/failing_allocation.h"
 #include "tests/unit/material_fixtures.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define LODEN_OWN_MALLOC 0  // the sanitizer's stays; operator new alone fails
-#elif defined(__GLIBC__)
-#define LODEN_OWN_MALLOC 1
-#else
-#define LODEN_OWN_MALLOC 0
-#endif
+static thread_local bool counting = false;
 
-namespace {
-
-// Of this thread; counted only between begin() and end().
-struct Allocations {
-  bool counting = false;
-  long made = 0, live = 0;
-  long fail_at = -1;            // the allocation that fails, counted from 0; -1: none
-  bool fail_from_then = false;  // and all that follow
-
-  bool next() {
-    if (!counting) return true;
-    const long number = made++;
-    if (fail_at >= 0 && (number == fail_at || (fail_from_then && number > fail_at))) return false;
-    ++live;
-    return true;
-  }
-  void freed(const void* pointer) {
-    if (counting && pointer) --live;
-  }
-};
-thread_local Allocations allocations;
-
-}  // namespace
-
-#if LODEN_OWN_MALLOC
-// C libraries, zstd among them, allocate here; so does operator new.
-extern "C" {
-void* __libc_malloc(size_t);
-void* __libc_calloc(size_t, size_t);
-void __libc_free(void*);
-
-void* malloc(size_t bytes) {
-  if (allocations.next()) return __libc_malloc(bytes);
-  errno = ENOMEM;
-  return nullptr;
+bool loden::test::allocationCounts(const void*) {
+  return counting;
 }
-void* calloc(size_t count, size_t bytes) {
-  if (allocations.next()) return __libc_calloc(count, bytes);
-  errno = ENOMEM;
-  return nullptr;
-}
-void free(void* pointer) {
-  allocations.freed(pointer);
-  __libc_free(pointer);
-}
-}
-#else
-__attribute__((noinline)) void* operator new(size_t bytes) {
-  void* pointer = allocations.next() ? std::malloc(bytes ? bytes : 1) : nullptr;
-  if (!pointer) throw std::bad_alloc();
-  return pointer;
-}
-__attribute__((noinline)) void operator delete(void* pointer) noexcept {
-  allocations.freed(pointer);
-  std::free(pointer);
-}
-__attribute__((noinline)) void operator delete(void* pointer, size_t) noexcept {
-  operator delete(pointer);
-}
-#endif
 
 namespace loden {
 namespace {
@@ -96,15 +32,16 @@ struct Run {
 template <class Work>
 Run runWith(long fail_at, bool fail_from_then, const Work& work) {
   Run run;
-  allocations = {true, 0, 0, fail_at, fail_from_then};
+  test::allocations.begin(fail_at, fail_from_then ? std::numeric_limits<long>::max() : 1);
+  counting = true;
   try {
     run.id = work();
   } catch (...) {
     run.outcome = Outcome::kThrown;
   }
-  allocations.counting = false;
-  run.made = allocations.made;
-  run.live = allocations.live;
+  counting = false;
+  run.made = test::allocations.made;
+  run.live = test::allocations.live;
   if (run.outcome != Outcome::kThrown && run.id != 0)
     run.outcome = run.id == issue_id::kMemory ? Outcome::kMemory : Outcome::kOther;
   return run;

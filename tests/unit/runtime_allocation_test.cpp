@@ -2,39 +2,15 @@
 // place, and the program goes on. A program of its own, because it replaces operator new.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "material/base/issues.h"
 #include "runtime/stream/streaming.h"
+#include "tests/failing_allocation.h"
 #include "tests/unit/material_fixtures.h"
 
-namespace {
+static thread_local bool exempt = false;  // the thread of the tests
 
-thread_local bool exempt = false;  // the thread of the tests
-std::atomic<long> made{0};         // allocations of all others
-std::atomic<long> fail_at{-1};     // the one that fails, counted from 0; -1: none
-std::atomic<long> fail_count{1};   // and how many from it on
-
-bool fails() {
-  if (exempt) return false;
-  const long number = made++, first = fail_at;
-  return first >= 0 && number >= first && number < first + fail_count;
-}
-
-}  // namespace
-
-__attribute__((noinline)) void* operator new(size_t bytes) {
-  void* pointer = fails() ? nullptr : std::malloc(bytes ? bytes : 1);
-  if (!pointer) throw std::bad_alloc();
-  return pointer;
-}
-__attribute__((noinline)) void operator delete(void* pointer) noexcept {
-  std::free(pointer);
-}
-__attribute__((noinline)) void operator delete(void* pointer, size_t) noexcept {
-  std::free(pointer);
+bool loden::test::allocationCounts(const void*) {
+  return !exempt;
 }
 
 namespace loden::runtime {
@@ -67,17 +43,15 @@ class LoadingAllocation : public testing::TestWithParam<PartKind> {
 
 TEST_P(LoadingAllocation, FailuresAreDeliveredAndNotTheEnd) {
   ASSERT_EQ(load(), 0);
-  made = 0;
+  test::allocations.begin(-1);
   ASSERT_EQ(load(), 0);
-  const long all = made;
+  const long all = test::allocations.made;
   ASSERT_GT(all, 3);
   for (const long count : {1L, 3L})
     for (long n = 0; n < all; ++n) {
-      made = 0;
-      fail_count = count;
-      fail_at = n;
+      test::allocations.begin(n, count);
       const int id = load();
-      fail_at = -1;
+      test::allocations.begin(-1);
       ASSERT_TRUE(id == 0 || id == issue_id::kMemory) << "allocation " << n << " of " << all << ": " << id;
     }
   EXPECT_EQ(load(), 0);

@@ -1,16 +1,6 @@
 // Every issue that `loden validate --list` prints has an input here or in asset_faults.cpp that provokes it,
 // and nothing else.
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "importer/base/file_read.h"
@@ -20,6 +10,7 @@
 #include "material/base/issue_table.h"
 #include "tests/unit/asset_faults.h"
 #include "tests/unit/material_fixtures.h"
+#include "tests/unit/triangle_scene.h"
 
 namespace loden {
 namespace {
@@ -29,37 +20,6 @@ namespace fs = std::filesystem;
 namespace id = issue_id;
 
 constexpr const char* kExtension = "LODEN_materials_flat_btf";
-
-// A sound scene of one triangle that wears an asset beside it.
-Json soundScene() {
-  return Json::parse(R"({
-    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}],
-    "nodes": [{"mesh": 0, "children": [1]}, {}, {}],
-    "meshes": [{"primitives": [
-      {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
-    "materials": [{"name": "cloth", "extensions": {"LODEN_materials_flat_btf": {"asset": 0}}}],
-    "extensionsUsed": ["LODEN_materials_flat_btf"],
-    "extensions": {"LODEN_materials_flat_btf": {"assets": [{"uri": "cloth.loden"}]}},
-    "buffers": [{"uri": "scene.bin", "byteLength": 80}],
-    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 24},
-                    {"buffer": 0, "byteOffset": 60, "byteLength": 8},
-                    {"buffer": 0, "byteOffset": 68, "byteLength": 12}],
-    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-                  {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
-                  {"bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR"},
-                  {"bufferView": 3, "componentType": 5126, "count": 1, "type": "VEC3"}]})");
-}
-
-// Positions, texture coordinates, the indices 0 1 2 7, and a point that is not finite.
-std::string sceneBytes() {
-  std::string bytes;
-  const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  for (const float v : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) add(v);
-  for (const float v : {0.f, 0.f, 1.f, 0.f, 0.f, 1.f}) add(v);
-  for (const uint16_t v : {uint16_t(0), uint16_t(1), uint16_t(2), uint16_t(7)}) add(v);
-  for (const float v : {std::numeric_limits<float>::infinity(), 0.f, 0.f}) add(v);
-  return bytes;
-}
 
 // The asset beside the scene.
 const std::string& clothBytes() {
@@ -89,8 +49,9 @@ struct SceneFault {
 
 class SceneFaults {
  public:
+  explicit SceneFaults(Json sound) : sound_(std::move(sound)) {}
   void changed(int id, const char* what, const std::function<void(Json&)>& change) {
-    Json scene = soundScene();
+    Json scene = sound_;
     change(scene);
     text(id, what, scene.dump());
   }
@@ -98,6 +59,9 @@ class SceneFaults {
     faults.push_back({id, what, std::move(file), extension});
   }
   std::vector<SceneFault> faults;
+
+ private:
+  Json sound_;
 };
 
 void addDocuments(SceneFaults& list) {
@@ -253,25 +217,24 @@ void addExtension(SceneFaults& list) {
   });
 }
 
-std::vector<SceneFault> sceneFaults() {
-  SceneFaults list;
+std::vector<SceneFault> sceneFaults(const Json& sound) {
+  SceneFaults list(sound);
   for (const auto add : {addDocuments, addBuffers, addAccessors, addMeshes, addNodes, addExtension})
     add(list);
   return std::move(list.faults);
 }
 
-class ValidateIssues : public testing::Test {
+class ValidateIssues : public test::TriangleScene {
  protected:
-  ValidateIssues() : folder_(fs::temp_directory_path() / ("loden_issues_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-    write("scene.bin", sceneBytes());
-    write("cloth.loden", clothBytes());
-  }
-  ~ValidateIssues() override { fs::remove_all(folder_); }
+  ValidateIssues() { write("cloth.loden", clothBytes()); }
 
-  fs::path write(const fs::path& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
+  // The triangle wears the asset beside it.
+  static Json soundScene() {
+    Json scene = TriangleScene::scene();
+    scene["materials"][0]["extensions"][kExtension]["asset"] = 0;
+    scene["extensionsUsed"] = {kExtension};
+    scene["extensions"][kExtension]["assets"] = {{{"uri", "cloth.loden"}}};
+    return scene;
   }
 
   static std::vector<Issue> issuesOf(const fs::path& file) {
@@ -295,8 +258,6 @@ class ValidateIssues : public testing::Test {
     const auto issues = importer::validateGltf(write("fault" + fault.extension, fault.file));
     return issues ? *issues : std::vector<Issue>{issues.issue()};
   }
-
-  fs::path folder_;
 };
 
 TEST_F(ValidateIssues, SoundFilesHaveNone) {
@@ -314,7 +275,8 @@ TEST_F(ValidateIssues, EachHasAnInputThatProvokesItAlone) {
   };
   for (const test::AssetFault& fault : test::assetFaults())
     expect(fault.id, fault.what, importer::validateAssetBytes(fault.file, "fault.loden"), "fault.loden");
-  for (const SceneFault& fault : sceneFaults()) expect(fault.id, fault.what, issuesOfScene(fault), "");
+  for (const SceneFault& fault : sceneFaults(soundScene()))
+    expect(fault.id, fault.what, issuesOfScene(fault), "");
   expect(id::kCannotOpen, "a folder", issuesOf(folder_), folder_.string());
   expect(id::kCannotOpen, "a file that is not there", issuesOf(folder_ / "none.loden"), "none.loden");
   // The kernel's view of this process's memory: a regular file whose first page cannot be read.

@@ -6,24 +6,15 @@
 
 #include "material/eval/evaluate.h"
 #include "material/model/environment.h"
+#include "tests/unit/hemisphere.h"
 #include "tests/unit/material_fixtures.h"
 #include "tests/unit/panoramas.h"
 
 namespace loden {
 namespace {
 
+using test::hemisphereIntegral;
 using test::panoramaOf;
-
-// Sum over the hemisphere of visit(w) dw / pi.
-template <class Visit>
-glm::dvec3 hemisphereIntegral(const Visit& visit) {
-  constexpr int kRows = 200, kColumns = 400;
-  glm::dvec3 sum(0);
-  for (int j = 0; j < kRows; ++j)
-    for (int i = 0; i < kColumns; ++i)
-      sum += visit(directionFromSpherical({std::acos((j + 0.5) / kRows), 2 * kPi * (i + 0.5) / kColumns}));
-  return sum * (2.0 / (kRows * kColumns));
-}
 
 EnvironmentLight somePolynomial() {
   EnvironmentLight light;

@@ -7,10 +7,13 @@
 
 #include "material/eval/evaluate.h"
 #include "material/eval/near_term.h"
+#include "tests/unit/hemisphere.h"
 #include "tests/unit/material_fixtures.h"
 
 namespace loden {
 namespace {
+
+using test::hemisphereIntegral;
 
 glm::dvec3 upperDirection(std::mt19937& random, double least_z) {
   std::uniform_real_distribution<double> unit(0, 1);
@@ -27,6 +30,42 @@ GeometryImage bumps(int side, double depth) {
     positions.emplace_back(p, depth * (std::cos(4 * kPi * p.x) * std::cos(4 * kPi * p.y) - 1) / 2);
   }
   return encodeGeometryImage(side, positions, std::vector<uint16_t>(positions.size(), 1), true);
+}
+
+// The bumps and what finds shadows on them.
+struct ShadedBumps {
+  explicit ShadedBumps(double depth, VdimAtlasSize size)
+      : image(bumps(64, depth)), atlas(buildVdimAtlas(image, size)), tracer(image) {}
+  ShadedBumps(const ShadedBumps&) = delete;
+
+  double visibility(Lookup lookup, glm::dvec2 p, const glm::dvec3& wi, double footprint) const {
+    const auto point = surfaceAt<double>(image, p);
+    return lookedUpVisibility({.atlas = &atlas}, lookup, LocalSurface<double>{}, point.position, p,
+                              point.normal, wi, footprint);
+  }
+  bool occluded(glm::dvec2 p, const glm::dvec3& wi) const {
+    const auto point = surfaceAt<double>(image, p);
+    return tracer.occluded(point.position + 2e-3 * point.normal, wi);
+  }
+  double cosine(glm::dvec2 p, const glm::dvec3& wi) const {
+    return glm::dot(surfaceAt<double>(image, p).normal, wi);
+  }
+
+  const GeometryImage image;
+  const VdimAtlas atlas;
+  const GeometryTracer tracer;
+};
+
+// With indirect light and without.
+struct IndirectPair {
+  explicit IndirectPair(Material material) : with(std::move(material)), without(with) {
+    without.surface->indirect = {};
+  }
+  Material with, without;
+};
+
+glm::dvec3 valueAt(const Evaluator& evaluator, glm::dvec2 p, const glm::dvec3& wi, const glm::dvec3& wo) {
+  return evaluator.evaluate(evaluator.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
 }
 
 TEST(Near, LambertIsTheCosine) {
@@ -63,15 +102,8 @@ TEST(Near, GgxKeepsTheLight) {
         point.diffuse = glm::dvec3(metal ? 0.0 : 1.0);
         const double angle = theta * kPi / 180;
         const glm::dvec3 wo(std::sin(angle), 0, std::cos(angle));
-        double sum = 0;
-        constexpr int kRows = 400;
-        for (int row = 0; row < kRows; ++row)
-          for (int column = 0; column < 2 * kRows; ++column) {
-            const double z = (row + 0.5) / kRows, phi = kPi * (column + 0.5) / kRows;
-            const double sine = std::sqrt(1 - z * z);
-            sum += evaluateNear(Lobe::kGgx, point, {sine * std::cos(phi), sine * std::sin(phi), z}, wo).x;
-          }
-        const double albedo = sum / (kRows * kRows);  // dw / pi = 2 pi / (2 rows^2) / pi
+        const double albedo = hemisphereIntegral(
+            [&](const glm::dvec3& wi) { return evaluateNear(Lobe::kGgx, point, wi, wo).x; }, 400);
         SCOPED_TRACE(testing::Message()
                      << "roughness " << roughness << (metal ? ", metal, " : ", dielectric, ") << theta
                      << " degrees: " << albedo);
@@ -81,43 +113,30 @@ TEST(Near, GgxKeepsTheLight) {
 }
 
 TEST(Near, APlaneCastsNoShadow) {
-  const GeometryImage image = bumps(64, 0);
-  const VdimAtlas atlas = buildVdimAtlas(image, {12, 8});
-  VdimMaps maps;
-  maps.atlas = &atlas;
+  const ShadedBumps plane(0, {12, 8});
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int k = 0; k < 2000; ++k) {
     const glm::dvec2 p(unit(random), unit(random));
-    EXPECT_NEAR(
-        1,
-        lookedUpVisibility(maps, Lookup::kFast, LocalSurface<double>{}, glm::dvec3(p, 0), p, {0, 0, 1},
-                           upperDirection(random, 0.02), std::exp2(unit(random) * 9) / 512),
-        1e-6);
+    const glm::dvec3 wi = upperDirection(random, 0.02);
+    EXPECT_NEAR(plane.visibility(Lookup::kFast, p, wi, std::exp2(unit(random) * 9) / 512), 1, 1e-6);
   }
 }
 
 TEST(Near, ShadowsAreThoseOfTracedRays) {
-  const GeometryImage image = bumps(64, 0.15);
-  const VdimAtlas atlas = buildVdimAtlas(image, {24, 20});
-  const GeometryTracer tracer(image);
-  VdimMaps maps;
-  maps.atlas = &atlas;
+  const ShadedBumps bumps(0.15, {24, 20});
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
   int count = 0, shadowed = 0, wrong[2] = {0, 0};
   while (count < 4000) {
     const glm::dvec2 p(unit(random), unit(random));
     const glm::dvec3 wi = upperDirection(random, 0.1);
-    const auto point = surfaceAt<double>(image, p);
-    if (glm::dot(point.normal, wi) < 0.05) continue;
+    if (bumps.cosine(p, wi) < 0.05) continue;
     ++count;
-    const bool occluded = tracer.occluded(point.position + 2e-3 * point.normal, wi);
+    const bool occluded = bumps.occluded(p, wi);
     shadowed += occluded;
     const Lookup lookups[] = {Lookup::kFast, Lookup::kDefault};
-    for (int l = 0; l < 2; ++l)
-      wrong[l] += (lookedUpVisibility(maps, lookups[l], LocalSurface<double>{}, point.position, p,
-                                      point.normal, wi, 0.0) > 0.5) == occluded;
+    for (int l = 0; l < 2; ++l) wrong[l] += (bumps.visibility(lookups[l], p, wi, 0.0) > 0.5) == occluded;
   }
   EXPECT_GT(shadowed, 250);
   EXPECT_LT(wrong[0], count * 3 / 100);
@@ -126,11 +145,7 @@ TEST(Near, ShadowsAreThoseOfTracedRays) {
 
 // The share of a footprint that the light reaches, from one ray, against that of traced rays all over it.
 TEST(Near, AFootprintIsLitInPart) {
-  const GeometryImage image = bumps(64, 0.15);
-  const VdimAtlas atlas = buildVdimAtlas(image, {24, 20});
-  const GeometryTracer tracer(image);
-  VdimMaps maps;
-  maps.atlas = &atlas;
+  const ShadedBumps bumps(0.15, {24, 20});
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0, 1);
   for (const double texels : {2.0, 4.0}) {
@@ -144,18 +159,12 @@ TEST(Near, AFootprintIsLitInPart) {
       constexpr int kSide = 6;
       for (int k = 0; k < kSide * kSide; ++k) {
         const glm::dvec2 within((k % kSide + 0.5) / kSide - 0.5, (k / kSide + 0.5) / kSide - 0.5);
-        const auto point = surfaceAt<double>(image, p + within * footprint);
-        share += tracer.occluded(point.position + 2e-3 * point.normal, wi) ? 0.0 : 1.0 / (kSide * kSide);
+        share += bumps.occluded(p + within * footprint, wi) ? 0.0 : 1.0 / (kSide * kSide);
       }
-      const auto point = surfaceAt<double>(image, p);
-      if (share < 0.05 || share > 0.95 || glm::dot(point.normal, wi) < 0.1) continue;
+      if (share < 0.05 || share > 0.95 || bumps.cosine(p, wi) < 0.1) continue;
       ++border;
-      const auto visibility = [&](double wide) {
-        return lookedUpVisibility(maps, Lookup::kDefault, LocalSurface<double>{}, point.position, p,
-                                  point.normal, wi, wide);
-      };
-      of_one_ray += std::pow(visibility(0) - share, 2);
-      of_the_footprint += std::pow(visibility(footprint) - share, 2);
+      of_one_ray += std::pow(bumps.visibility(Lookup::kDefault, p, wi, 0) - share, 2);
+      of_the_footprint += std::pow(bumps.visibility(Lookup::kDefault, p, wi, footprint) - share, 2);
     }
     EXPECT_LT(of_the_footprint, 0.5 * of_one_ray) << texels << " texels";
   }
@@ -177,8 +186,7 @@ TEST(Near, FadesIntoTheBandsWithoutAStep) {
 
 // V by map is 1 - clamp(sum of products) of the texels at their centres, and multiplies what is lit.
 TEST(Near, AShadowMapMultipliesTheReflectance) {
-  Material shaded = test::splitSurfaceMaterial();
-  shaded.surface->indirect = {};
+  const Material shaded = IndirectPair(test::splitSurfaceMaterial()).without;
   Material open = shaded;
   open.surface->visibility = Visibility::kNone;
   const Evaluator evaluator(shaded), without(open);
@@ -196,8 +204,7 @@ TEST(Near, AShadowMapMultipliesTheReflectance) {
     const double visible = std::clamp(1 - sum, 0.0, 1.0);
     least = std::min(least, visible), most = std::max(most, visible);
     EXPECT_NEAR(mappedVisibility(maps, p, 0.0, wi), visible, 1e-9);
-    const glm::dvec3 value = evaluator.evaluate(evaluator.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
-    const glm::dvec3 lit = without.evaluate(without.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
+    const glm::dvec3 value = valueAt(evaluator, p, wi, wo), lit = valueAt(without, p, wi, wo);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], visible * lit[c], 1e-9);
   }
   EXPECT_LT(least, most - 0.2) << "the samples say little";
@@ -205,11 +212,9 @@ TEST(Near, AShadowMapMultipliesTheReflectance) {
 
 // C stands beside V A, and is what is seen where no light comes by itself.
 TEST(Near, IndirectLightIsAddedToWhatTheLightReaches) {
-  const Material with = test::splitSurfaceMaterial();
-  Material without = with;
-  without.surface->indirect = {};
-  const Evaluator lit(with), direct(without);
-  const SurfaceMaps& maps = *with.surface;
+  const IndirectPair pair(test::splitSurfaceMaterial());
+  const Evaluator lit(pair.with), direct(pair.without);
+  const SurfaceMaps& maps = *pair.with.surface;
   const int side = maps.indirect.width;
   std::mt19937 random(5);
   int dark = 0, added = 0;
@@ -221,12 +226,9 @@ TEST(Near, IndirectLightIsAddedToWhatTheLightReaches) {
     const glm::dvec4 c(fetchTexel(maps.indirect, 0, texel.x, texel.y, 1));
     const double share = std::max(0.0, wi.z * glm::dot(c, glm::dvec4(1, wi.z, wi.x, wi.y)));
     const glm::dvec3 albedo = nearAlbedo(maps.lobe, nearPoint(maps, p, 0.0));
-    const auto valueOf = [&](const Evaluator& evaluator) {
-      return evaluator.evaluate(evaluator.findHit(p, 0.0, wo, Lookup::kNone), wi, wo);
-    };
-    const glm::dvec3 before = valueOf(direct);
+    const glm::dvec3 before = valueAt(direct, p, wi, wo), after = valueAt(lit, p, wi, wo);
     for (int i = 0; i < 3; ++i)
-      EXPECT_NEAR(valueOf(lit)[i], before[i] + albedo[i] * root[i] * root[i] * share, 1e-9);
+      EXPECT_NEAR(after[i], before[i] + albedo[i] * root[i] * root[i] * share, 1e-9);
     dark += before == glm::dvec3(0) && share > 0;
     added += share > 0;
   }
@@ -242,27 +244,23 @@ TEST(Near, IndirectLightOfASkyIsThatOfItsLights) {
     for (int t = 0; t < side * side; ++t)
       storeTexel(with.surface->indirect, mip, t % side, t / side, 1, {0.6f, 0.3f, -0.4f, 0.4f});  // above 0
   }
-  Material without = with;
-  without.surface->indirect = {};
-  Evaluator lit(with), direct(without);
+  const IndirectPair pair(std::move(with));
+  Evaluator lit(pair.with), direct(pair.without);
   lit.prepareEnvironment(), direct.prepareEnvironment();
   HemisphereLight light;
   light.c = {glm::vec3(0.9f, 1, 1.1f), glm::vec3(0.3f), glm::vec3(0.2f),
              glm::vec3(-0.1f),         glm::vec3(0.1f), glm::vec3(-0.2f)};
   const glm::dvec3 wo = glm::normalize(glm::dvec3(0.3, 0.2, 1));
   const auto hit = lit.findHit(glm::dvec2(0.4, 0.7), 0.0, wo, Lookup::kNone);
-  const NearPoint<double> point = nearPoint(*with.surface, hit.p, hit.lambda);
-  constexpr int kRows = 64;
-  glm::dvec3 sum(0);
-  for (int row = 0; row < kRows; ++row)
-    for (int column = 0; column < 2 * kRows; ++column) {
-      const double z = (row + 0.5) / kRows, phi = kPi * (column + 0.5) / kRows, sine = std::sqrt(1 - z * z);
-      const glm::dvec3 w(sine * std::cos(phi), sine * std::sin(phi), z);
-      const double basis[] = {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y};
-      glm::dvec3 radiance(0);
-      for (size_t k = 0; k < kEnvironmentBasis; ++k) radiance += basis[k] * glm::dvec3(light.c[k]);
-      sum += radiance * indirectLight(*with.surface, point, hit.p, hit.lambda, w) / double(kRows * kRows);
-    }
+  const NearPoint<double> point = nearPoint(*pair.with.surface, hit.p, hit.lambda);
+  const glm::dvec3 sum = hemisphereIntegral(
+      [&](const glm::dvec3& w) {
+        const double basis[] = {1, w.z, w.x, w.y, w.x * w.y, w.x * w.x - w.y * w.y};
+        glm::dvec3 radiance(0);
+        for (size_t k = 0; k < kEnvironmentBasis; ++k) radiance += basis[k] * glm::dvec3(light.c[k]);
+        return radiance * indirectLight(*pair.with.surface, point, hit.p, hit.lambda, w);
+      },
+      64);
   const glm::dvec3 added =
       lit.evaluateEnvironment(hit, light, wo) - direct.evaluateEnvironment(hit, light, wo);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(added[c], sum[c], 1e-3 * sum[c]);
@@ -278,21 +276,15 @@ TEST(Near, IsTheWholeOfAMaterialWithoutBands) {
 }
 
 TEST(Near, PhongLobesReturnWhatTheirIntegralSays) {
-  constexpr int kRows = 200;
   for (const double exponent : {1.0, 4.0, 15.0, 60.0, 250.0})
     for (const double cosine : {1.0, 0.8, 0.6, 0.4, 0.2, 0.05}) {
       NearPoint<double> point;
       point.strength = 1;
       point.width = exponent;
       const glm::dvec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
-      double sum = 0;
-      for (int row = 0; row < kRows; ++row)
-        for (int column = 0; column < 2 * kRows; ++column) {
-          const double z = (row + 0.5) / kRows, phi = kPi * (column + 0.5) / kRows;
-          const double sine = std::sqrt(1 - z * z);
-          sum += evaluateNear(Lobe::kPhong, point, {sine * std::cos(phi), sine * std::sin(phi), z}, wo).x;
-        }
-      EXPECT_NEAR(phongAlbedo(exponent, cosine), sum / (kRows * kRows), 0.075) << exponent << ", " << cosine;
+      const double albedo = hemisphereIntegral(
+          [&](const glm::dvec3& wi) { return evaluateNear(Lobe::kPhong, point, wi, wo).x; });
+      EXPECT_NEAR(phongAlbedo(exponent, cosine), albedo, 0.075) << exponent << ", " << cosine;
     }
 }
 

@@ -8,6 +8,7 @@
 #include "material/base/gltf_extensions.h"
 #include "material/base/json_depth.h"
 #include "material/base/memory_issue.h"
+#include "material/base/one_line.h"
 #include "material/system/confined_path.h"
 #include "runtime/scene/gltf_guard.h"
 #include "runtime/scene/gltf_reader.h"
@@ -100,7 +101,7 @@ Result<tinygltf::Model> parse(std::span<const std::byte> bytes, const std::files
                  files.refused->text};
   // It hands on what() of what it catches.
   if (!ok && error.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
-  if (!ok) return Issue{issue_id::kGltfParse, Severity::kError, file, error.substr(0, 500)};
+  if (!ok) return Issue{issue_id::kGltfParse, Severity::kError, file, oneLine(error)};
   return model;
 }
 
@@ -139,7 +140,7 @@ Result<Scene> loadGltfScene(const std::filesystem::path& path, const SceneOption
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {  // tinygltf and its JSON parser throw on some malformed input
-      return Issue{issue_id::kGltfParse, Severity::kError, path.string(), error.what()};
+      return Issue{issue_id::kGltfParse, Severity::kError, path.string(), oneLine(error.what())};
     }
   });
 }

@@ -156,6 +156,16 @@ TEST(GltfScene, BracketsInsideStringsAreNoNesting) {
   EXPECT_TRUE(load(document).ok());
 }
 
+TEST(GltfScene, SaysInOneLineWhatIsNoGltf) {
+  const Folder folder;
+  const std::string whole = Document().json();
+  for (const size_t bytes : {whole.size() - 1, whole.size() / 2, size_t(5)}) {
+    const Result<Scene> scene = loadGltfScene(folder.write("cut.gltf", whole.substr(0, bytes)));
+    expectIssue(scene, issue_id::kGltfParse);
+    EXPECT_EQ(scene.issue().text.find_first_of("\r\n"), std::string::npos) << scene.issue().text;
+  }
+}
+
 TEST(GltfScene, RejectsFilesOutsideItsFolder) {
   Document document;
   for (const auto& [uri, id] : {std::pair{"../outside.bin", issue_id::kGltfPath},

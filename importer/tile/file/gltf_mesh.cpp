@@ -17,6 +17,7 @@
 #include "importer/tile/polygon_mesh.h"
 #include "material/base/gltf_extensions.h"
 #include "material/base/issues.h"
+#include "material/base/one_line.h"
 #include "material/system/confined_path.h"
 
 namespace loden::importer {
@@ -395,7 +396,7 @@ Result<PolygonMesh> readGltfMesh(const fs::path& path) {
     return Issue{issue_id::kTileMaterial, Severity::kError, name, pictures.refused};
   // An error beside a loaded file: what stands behind it in the same object was not read.
   if (!loaded || !error.empty())
-    return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + error};
+    return Issue{issue_id::kGltfParse, Severity::kError, name, "cannot be read as glTF: " + oneLine(error)};
   return GltfMeshReader(model, name).read();
 }
 

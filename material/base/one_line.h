@@ -1,0 +1,18 @@
+// What another library says, for the text of an Issue.
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+namespace loden {
+
+// The first 500 bytes at most, with a space for each line break and control character and none at the end.
+inline std::string oneLine(std::string text) {
+  text.resize(std::min<size_t>(text.size(), 500));
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = ' ';
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
+}
+
+}  // namespace loden

@@ -125,7 +125,8 @@ std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vec
     for (const Band& band : material.bands) {
       if (band.window.out_end <= static_cast<float>(level)) continue;
       // Mips above the level need not be there.
-      const int skipped = std::clamp(level - static_cast<int>(band.lambda_first), 0, band.weights.mips - 1);
+      const int skipped = std::clamp(static_cast<int>(std::floor(float(level) - band.lambda_first)), 0,
+                                     band.weights.mips - 1);
       const Texture& w = band.weights;
       const uint64_t weights = textureBytes(w) - w.mipOffset(skipped);
       const uint64_t tables = textureBytes(band.table);
@@ -172,7 +173,7 @@ std::string cookedText(const std::string& meta_text) {
     for (const Json& level : meta.value("levels", Json::array())) {
       text += formatted("lambda %d: RMSE of Y", level.at("level").get<int>());
       if (const auto near = level.find("near_rmse_y"); near != level.end())
-        text += formatted(" %.4f by two evaluations of the near term,", near->get<double>());
+        text += formatted(" %.4f by the near term,", near->get<double>());
       text += " by the bands with 1, 2 ... quads of the coarsest";
       for (const Json& rmse : level.at("quads_rmse_y")) text += formatted(" %.4f", rmse.get<double>());
       text += "\n";

@@ -29,6 +29,9 @@ constexpr int kFullPhis = 25;  // from here on the grid can give back every samp
 constexpr float kFlatFirst = 0.5f;
 constexpr int kFlatMips = 2;  // to lambda 1.5; at 2 the reference-domain band has taken over
 constexpr float kCrossFadeBegin = 1, kCrossFadeEnd = 2;
+// Filtering of mips blurs: a pixel shows the average over its footprint, and between two levels that is 1 to
+// 4 dB closer to what is read half a level finer. At a level whose texels the pixels lie on it is the same.
+constexpr float kCoarseFirst = 1.5f;
 constexpr int kChromaSweeps = 2;
 
 // A single texel is its own average.
@@ -131,7 +134,7 @@ Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan, const YccBtf& ha
   factors.ratio = levelRatios(in, half, at_samples);
   const int mips = coarseMips(plan, half.side());
   Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, fit.grid, mips, 0});
-  band.lambda_first = 1;
+  band.lambda_first = kCoarseFirst;
   band.window = {kCrossFadeBegin, kCrossFadeEnd};
   return band;
 }

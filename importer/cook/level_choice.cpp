@@ -18,8 +18,9 @@ namespace {
 constexpr int kNearLevels = 3;  // that the near term may be shown at
 constexpr int kSamples = 8000;  // a level
 constexpr QuadLevels kNever{kNoEnd, -kNoEnd};
-constexpr float kBegins[] = {0.25f, 0.5f, 0.75f, 1.0f};
-constexpr float kEnds[] = {1.5f, 1.75f, 2.0f, 2.25f, 2.5f, 2.75f, 3.0f};
+// Windows of the near term that are tried, in steps of kStep.
+constexpr double kFirstBegin = 0.25, kLastEnd = kNearLevels, kStep = 0.25;
+constexpr double kNarrowest = 0.75;  // so that nothing jumps: a step of .01 of lambda changes w by 1/75
 
 double luma(const glm::dvec3& rgb) {
   return std::min(yccFromRgb(rgb).x, 1.0);
@@ -70,16 +71,15 @@ LevelTrial measured(const Candidates& candidates, const YccBtf& btf, int level, 
       const glm::dvec3& wi = lights.samples[size_t(l)];
       const glm::dvec2 texel(t % btf.side(), t / btf.side());
       const double given = std::min(truth(t, l), 1.0);
-      const auto valueOf = [&](const Evaluator& evaluator, double inside) {
-        const auto hit = evaluator.findHit((texel + inside) / double(btf.side()), double(level), wo);
+      const auto valueOf = [&](const Evaluator& evaluator) {
+        const auto hit = evaluator.findHit((texel + 0.5) / double(btf.side()), double(level), wo);
         return luma(evaluator.evaluate(hit, wi, wo));
       };
       LevelTrial& sums = of_view[v];
-      const double near =
-          with_near ? (valueOf(*candidates.near, 0.25) + valueOf(*candidates.near, 0.75)) / 2 - given : 0;
+      const double near = with_near ? valueOf(*candidates.near) - given : 0;
       sums.near_mse += near * near;
       for (size_t k = 0; k < counts; ++k) {
-        const double bands = valueOf(candidates.bands[k], 0.5) - given;
+        const double bands = valueOf(candidates.bands[k]) - given;
         sums.quads[k].mse += bands * bands, sums.quads[k].product += near * bands;
       }
     }
@@ -96,33 +96,51 @@ LevelTrial measured(const Candidates& candidates, const YccBtf& btf, int level, 
   return trial;
 }
 
-double nearWeightAt(int level, double begin, double end) {
-  return std::clamp((end - level) / (end - begin), 0.0, 1.0);
+struct Window {
+  double begin = 0, end = 0;
+  double weightAt(double lambda) const { return std::clamp((end - lambda) / (end - begin), 0.0, 1.0); }
+};
+
+// Mean logarithm of the root mean square of what the window shows, from level 1 to kNearLevels or the last;
+// between two levels by interpolation.
+double errorOf(const Window& window, const std::vector<LevelTrial>& trials) {
+  const double last = std::min(double(kNearLevels), double(trials.size()));
+  double sum = 0;
+  int count = 0;
+  for (double lambda = 1; lambda <= last; lambda += kStep, ++count) {
+    const size_t below = size_t(lambda) - 1, above = std::min(below + 1, trials.size() - 1);
+    const double w = window.weightAt(lambda), t = lambda - std::floor(lambda);
+    const auto mse = [&](size_t level) { return trials[level].mse(w, trials[level].quads.size()); };
+    sum += std::log(std::max((1 - t) * mse(below) + t * mse(above), 1e-12)) / 2;
+  }
+  return sum / std::max(count, 1);
 }
 
 void chooseFade(SurfaceMaps& maps, const std::vector<LevelTrial>& trials, float lambda_max) {
+  std::vector<std::pair<Window, double>> tried;
   double least = std::numeric_limits<double>::infinity();
-  maps.fade_begin = kBegins[0], maps.fade_end = kEnds[0];
-  for (const float begin : kBegins)
-    for (const float end : kEnds) {
-      if (end > lambda_max + 1) break;
-      double product = 0;  // of the errors, as a sum of logarithms
-      for (const LevelTrial& trial : trials) {
-        if (trial.level > kNearLevels) break;
-        const double w = nearWeightAt(trial.level, double(begin), double(end));
-        product += std::log(std::max(trial.mse(w, trial.quads.size()), 1e-12));
-      }
-      if (product >= least) continue;
-      least = product;
-      maps.fade_begin = begin, maps.fade_end = end;
+  for (double end = kFirstBegin + kNarrowest; end <= kLastEnd; end += kStep)
+    for (double begin = end - kNarrowest; begin >= kFirstBegin; begin -= kStep) {
+      if (!tried.empty() && end > double(lambda_max) + 1) break;
+      const Window window{begin, end};
+      tried.emplace_back(window, errorOf(window, trials));
+      least = std::min(least, tried.back().second);
     }
+  const auto narrower = [&](const auto& a, const auto& b) {
+    const double wide_a = a.first.end - a.first.begin, wide_b = b.first.end - b.first.begin;
+    return std::pair(wide_a, a.second) < std::pair(wide_b, b.second);
+  };
+  std::erase_if(tried, [&](const auto& trial) { return trial.second > least + std::log(1 + kFadeLoss); });
+  const Window& window = std::min_element(tried.begin(), tried.end(), narrower)->first;
+  maps.fade_begin = float(window.begin), maps.fade_end = float(window.end);
 }
 
 void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const SurfaceMaps* maps) {
   // Without a near term what is finer than the levels that were measured is shown by all of them.
   std::fill(band.quad_levels.begin() + 1, band.quad_levels.end(), maps ? kNever : QuadLevels{-kNoEnd, 1});
   for (const LevelTrial& trial : trials) {
-    const double w = maps ? nearWeightAt(trial.level, double(maps->fade_begin), double(maps->fade_end)) : 0.0;
+    const double w =
+        maps ? Window{double(maps->fade_begin), double(maps->fade_end)}.weightAt(trial.level) : 0.0;
     const size_t all = trial.quads.size();
     const double allowed =
         std::max(std::sqrt(trial.mse(w, all)) * (1 + (w > 0 ? kBlendLoss : kQuadLoss)), kQuadFloor);

@@ -18,7 +18,7 @@ struct LevelTrial {
     double product = 0;  // mean product of this error and the near term's
   };
   int level = 0;
-  double near_mse = 0;       // two evaluations of the near term alone; 0 beyond the levels it may be shown at
+  double near_mse = 0;       // of the near term alone; 0 beyond the levels it may be shown at
   std::vector<Quads> quads;  // at k the first k + 1
   double bands_mse() const { return quads.back().mse; }  // of all quads
   // Of the blend with the near term's weight w and the first `count` quads.
@@ -29,17 +29,18 @@ struct LevelTrial {
 };
 
 // For a material with bands, the coarsest of which has no chroma quads, in this order:
-// - With surface maps, sets fade_begin and fade_end to the window whose blend of near term and bands has the
-//   least product of errors over the levels 1 to 3, of those that leave the near term alone up to lambda .25
-//   at least and the bands alone from lambda 3 on. The errors of both are unlike, so that a blend is better
-//   than either over some levels.
+// - With surface maps, sets fade_begin and fade_end. The errors of near term and bands are unlike, so that a
+//   blend is closer than either, but costs as much as both: of the windows whose mean error over lambda 1 to
+//   3 is at most kFadeLoss above the least, the narrowest. They leave the near term alone up to lambda .25 at
+//   least, and the bands alone from lambda 3 on.
 // - Sets the coarsest band's quad_levels so that each level reads the fewest quads with which the error of
 //   what is shown is at most kQuadLoss above that of all of them, kBlendLoss where the near term shows as
 //   well, or below kQuadFloor.
 // Returns what was measured, from level 1 on. Deterministic at any number of threads.
+inline constexpr double kFadeLoss = 0.03;
 inline constexpr double kQuadLoss = 0.1;
 inline constexpr double kBlendLoss = 0.03;
-inline constexpr double kQuadFloor = 0.01;  // root mean square, white = 1: 40 dB
+inline constexpr double kQuadFloor = 0.0125;  // root mean square, white = 1: 38 dB
 std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
                                      const DirectionSet& views, int threads);
 

@@ -1,5 +1,6 @@
 #include "importer/fit/coarse_fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <cmath>
 
@@ -13,6 +14,10 @@ namespace {
 
 constexpr double kGrowth = 2;
 constexpr int kTriedColumns = 3, kFewestColumns = 5;
+// The first quads serve the levels from these lambdas on, the first of them the farthest. Levels of at most
+// kFewestTexels along a side are served by all.
+constexpr int kServedFrom[] = {4, 3, 2, 1};
+constexpr int kFewestTexels = 4;
 
 // Sides of the levels from `side` down to 1.
 std::vector<int> levelSides(int side) {
@@ -21,8 +26,14 @@ std::vector<int> levelSides(int side) {
   return sides;
 }
 
-// All levels below each other, multiplied so that the sum of squares weighs the mean squared errors of the
-// levels 1 : kGrowth : kGrowth^2 and so on.
+// What a level of side `coarse` is multiplied by so that sums of squares weigh the mean squared errors of the
+// levels, from the finest on, 1 : kGrowth : kGrowth^2 and so on.
+double levelScale(int finest, int coarse) {
+  const double ratio = double(finest) / double(coarse);
+  return ratio * std::pow(kGrowth, std::log2(ratio) / 2);
+}
+
+// All levels below each other, each times its levelScale.
 ColumnBlocks stackedLevels(const ColumnBlocks& finest, int side) {
   const std::vector<int> sides = levelSides(side);
   int rows = 0;
@@ -34,8 +45,7 @@ ColumnBlocks stackedLevels(const ColumnBlocks& finest, int side) {
             int row = 0;
             for (size_t k = 0; k < sides.size(); row += sides[k] * sides[k], ++k) {
               if (k > 0) level = downsample(level, sides[k - 1], BoxFilter::k2x2);
-              const double scale = double(sides[0]) / double(sides[k]) * std::pow(kGrowth, double(k) / 2);
-              eigen(into).middleRows(row, level.rows) = scale * eigen(level);
+              eigen(into).middleRows(row, level.rows) = levelScale(sides[0], sides[k]) * eigen(level);
             }
           }};
 }
@@ -57,6 +67,34 @@ Matrix projected(const ColumnBlocks& f, const Matrix& basis) {
   return weights;
 }
 
+// Turns the components after the first, whose weight is 1 everywhere, so that the leading quads hold what the
+// coarse levels need: of all rotations of what these components span, the one that leaves the first quad's
+// error least over its levels, then the second's over its own, and so on. All components together give the
+// same as before; far away one or two quads do.
+void serveCoarseLevelsFirst(Matrix& weights, int side) {
+  const int count = weights.cols - 1;
+  // Per quad, the squares of its levels.
+  std::vector<Eigen::MatrixXd> squares(std::size(kServedFrom), Eigen::MatrixXd::Zero(count, count));
+  Matrix level = weights;
+  for (int s = side, lambda = 1; s > 1; s /= 2, ++lambda) {
+    if (s < side) level = downsample(level, 2 * s, BoxFilter::k2x2);
+    const Eigen::MatrixXd scaled = levelScale(side, s) * eigenCols(level, 1, count);
+    for (size_t quad = 0; quad < squares.size(); ++quad)
+      if (lambda >= kServedFrom[quad] || s <= kFewestTexels)
+        squares[quad].noalias() += scaled.transpose() * scaled;
+  }
+  Eigen::MatrixXd rotation = Eigen::MatrixXd::Identity(count, count);
+  int done = 0;
+  for (size_t quad = 0; quad < squares.size() && done < count; ++quad) {
+    const int rest = count - done, taken = std::min(quad == 0 ? 3 : 4, rest);
+    const Eigen::MatrixXd open = rotation.rightCols(rest);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(open.transpose() * squares[quad] * open);
+    rotation.rightCols(rest) = open * solver.eigenvectors().rowwise().reverse();
+    done += taken;
+  }
+  eigenCols(weights, 1, count) = eigenCols(weights, 1, count) * rotation;
+}
+
 Factors fitChannel(const ColumnBlocks& finest, int side, int components, const DirectionSet& lights,
                    const DirectionSet& views, const CoarseFitOptions& options) {
   const ColumnBlocks levels = stackedLevels(finest, side);
@@ -67,6 +105,7 @@ Factors fitChannel(const ColumnBlocks& finest, int side, int components, const D
     const ColumnBlocks centred = withoutMeans(finest, mean);
     const Matrix basis = leadingFactors(stackedLevels(centred, side), components - 1, options.threads).basis;
     eigenCols(weights, 1, components - 1) = eigen(projected(centred, basis));
+    serveCoarseLevelsFirst(weights, side);
   }
   const Indirection straight = identityIndirection(levels.rows, levels.blocks);
   return {weights, solveGridBasis(levels, straight, stackedLevels(weights, side), options.grid, lights, views,

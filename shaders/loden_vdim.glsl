@@ -8,7 +8,7 @@ const float LODEN_INSIDE = 0.1;         // texels beyond a patch at which its ex
 const float LODEN_INSIDE_SHARE = 0.05;  // of the footprint: the same
 const float LODEN_INSIDE_MOST = 0.5;    // the same, at most
 const float LODEN_STEP_SHARE = 0.25;    // of the footprint: steps of the march
-const float LODEN_COARSE = 6.0;         // texels of a footprint that a single direction's depths do for
+const float LODEN_COARSE = 6.0;         // texels of a footprint over which both efforts are one
 
 // What a lookup spends. One of the constants, but for what grows with the footprint that the answer is shown
 // over. Lengths are in texels of the geometry image.
@@ -25,10 +25,11 @@ const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 36, 1.0, 32.0, LODEN_INS
 // Of an answer that is shown at that level of detail, which hides what is finer.
 LodenEffort loden_effort_over(LodenEffort effort, float lambda) {
   float footprint = exp2(lambda) * loden_material.geometry_side / loden_material.side;
-  bool coarse = effort.layers > 1 && footprint > LODEN_COARSE;
+  bool coarse = footprint > LODEN_COARSE;
   effort.layers = coarse ? LODEN_EFFORT_FAST.layers : effort.layers;
   effort.visits = coarse ? LODEN_EFFORT_FAST.visits : effort.visits;
-  effort.step_ = max(effort.step_, LODEN_STEP_SHARE * footprint);
+  effort.samples = coarse ? LODEN_EFFORT_DEFAULT.samples : effort.samples;
+  effort.step_ = max(coarse ? LODEN_EFFORT_DEFAULT.step_ : effort.step_, LODEN_STEP_SHARE * footprint);
   effort.inside = clamp(LODEN_INSIDE_SHARE * footprint, LODEN_INSIDE, LODEN_INSIDE_MOST);
   return effort;
 }

@@ -14,7 +14,6 @@ constexpr float kInside = 0.1f;        // texels beyond a patch at which its ext
 constexpr float kInsideShare = 0.05f;  // of the footprint: the same
 constexpr float kInsideMost = 0.5f;    // the same, at most
 constexpr float kStepShare = 0.25f;    // of the footprint: steps of the march
-constexpr float kCoarse = 6;           // texels of a footprint that a single direction's depths do for
 constexpr float kReach = 3;            // texels that one visit of a patch may move by
 constexpr float kBentResidual = 0.1f;  // texels between surface and bent ray at which they meet
 constexpr int kEach = 6;               // visits for each candidate depth
@@ -43,11 +42,11 @@ struct Effort {
 // Of an answer that is shown over a footprint of so many texels, which hides what is finer.
 template <class T>
 Effort<T> effortOf(Lookup lookup, T footprint) {
-  const T step = T(kStepShare) * footprint,
-          inside = std::clamp(T(kInsideShare) * footprint, T(kInside), T(kInsideMost));
-  if (lookup == Lookup::kFast) return {1, 18, std::max(T(2), step), T(16), inside};
-  const bool coarse = footprint > T(kCoarse);
-  return {coarse ? 1 : 3, coarse ? 18 : 36, std::max(T(1), step), T(32), inside};
+  const bool coarse = footprint > T(kCoarseFootprint), fast = lookup == Lookup::kFast && !coarse;
+  const bool one_direction = fast || coarse;
+  return {one_direction ? 1 : 3, one_direction ? 18 : 36,
+          std::max(T(fast ? 2 : 1), T(kStepShare) * footprint), T(fast ? 16 : 32),
+          std::clamp(T(kInsideShare) * footprint, T(kInside), T(kInsideMost))};
 }
 
 // A view ray in the tile's own coordinates, in which a curved reference surface is flat and the ray is bent.

@@ -1,8 +1,10 @@
 #include "runtime/stream/shader_variants.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "material/base/check.h"
+#include "material/model/vdim.h"
 #include "shaders/loden_shared.h"
 
 namespace loden::runtime {
@@ -79,8 +81,13 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
 }
 
 MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range) {
-  if (variant.bands == 0) return variant;
   MaterialVariant left = variant;
+  const float texels = float(skeleton.geometry.side()) / float(skeleton.side);
+  if (std::exp2(range.least) * texels > kCoarseFootprint) {
+    if (left.lookup == Lookup::kDefault) left.lookup = Lookup::kFast;
+    if (left.visibility == Visibility::kDefault) left.visibility = Visibility::kFast;
+  }
+  if (variant.bands == 0) return left;
   if (variant.near && range.most <= skeleton.surface->fade_begin) {
     left.bands = 0;
     left.bound_bands = variant.bands;

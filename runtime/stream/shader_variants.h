@@ -123,8 +123,9 @@ struct LambdaRange {
   float least, most;
 };
 // The variant for draws within that range: without the near term where its window is closed all over it,
-// without bands where it alone is open, and without a lookup where nothing is read at p. The same textures
-// and uniform block are bound as for the material's own variant.
+// without bands where it alone is open, without a lookup where nothing is read at p, and with the fast ones
+// where the default ones spend no more. It draws the same; the same textures and uniform block are bound as
+// for the material's own variant.
 MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range);
 
 // The variant that parallax occlusion mapping draws a material with: its near term without cast shadows,

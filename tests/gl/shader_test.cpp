@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <fstream>
 
 #include "material/base/issues.h"
+#include "material/model/vdim.h"
 #include "runtime/shader/shader_assembly.h"
 #include "runtime/shader/shader_library.h"
 #include "runtime/stream/material_data.h"
@@ -81,6 +83,24 @@ TEST(ShaderVariants, LeaveTheNearTermOutAsAWhole) {
     EXPECT_FALSE(materialVariant(material, Lookup::kDefault, Visibility::kDefault)->indirect);
     material = test::nearMaterial();
   }
+}
+
+// Where both lookups are one, the program that knows so draws. The fixture's geometry image has a texel for
+// each of the material's.
+TEST(ShaderVariants, TakeTheFastLookupOverWideFootprints) {
+  Material material = test::nearMaterial();
+  material.surface->fade_end = 4;
+  const auto variant = materialVariant(material, Lookup::kDefault, Visibility::kDefault);
+  ASSERT_TRUE(variant.ok());
+  ASSERT_EQ(variant->lookup, Lookup::kDefault);
+  ASSERT_EQ(material.geometry.side(), material.side);
+  const float coarse = std::log2(kCoarseFootprint);
+  const MaterialVariant within = narrowed(*variant, material, {coarse - 0.01f, 9}),
+                        beyond = narrowed(*variant, material, {coarse + 0.01f, 9});
+  EXPECT_EQ(within.lookup, Lookup::kDefault);
+  EXPECT_EQ(beyond.lookup, Lookup::kFast);
+  EXPECT_NE(beyond.visibility, Visibility::kDefault);
+  EXPECT_TRUE(rowAllows(forwardRow(), beyond));
 }
 
 // Every variant of scene_forward; of the other rows, which differ from it in what surrounds the material, and

@@ -14,6 +14,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 using loden::AssetFile;
+using loden::Share;
 
 constexpr size_t kPreamble = 32, kEntry = 48, kHash = 24;
 

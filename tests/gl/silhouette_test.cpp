@@ -106,7 +106,9 @@ TEST_P(Silhouette, IsThatOfTheTracedTile) {
     std::printf("%s on a %s: intersection over union of the masks %.4f, of the bare mesh's %.4f\n",
                 GetParam(), name, relief, mesh);
     EXPECT_GE(relief, kLeastIou) << name;
-    EXPECT_GE(relief, mesh) << name;
+    // On sponge's sphere both are alike: a ray that just touches the tile may go either way.
+    const double pixel = 1.5 / double(std::count(traced.begin(), traced.end(), true));
+    EXPECT_GE(relief, mesh - pixel) << name;
     EXPECT_GT(std::count(traced.begin(), traced.end(), false), std::ptrdiff_t(traced.size()) / 4)
         << "the silhouette is out of view";
   }

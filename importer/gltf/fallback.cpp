@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "importer/base/image_encode.h"
+#include "importer/gltf/json_tree.h"
 #include "material/eval/evaluate.h"
 #include "material/model/color.h"
 #include "material/model/directions.h"
@@ -92,7 +92,7 @@ Result<std::string> png(int side, const std::vector<glm::u8vec3>& pixels, const 
 
 }  // namespace
 
-Json fittedFactors(const Material& material) {
+void fitFactors(Json& look, const Material& material) {
   glm::dvec3 color = glm::max(glm::dvec3(rgbFromYcc(glm::dvec3(material.mean.ka + material.mean.kd,
                                                                material.mean.cb, material.mean.cr))),
                               0.0);
@@ -110,9 +110,10 @@ Json fittedFactors(const Material& material) {
   // GGX alpha^2 = 2 / (n + 2) (Walter et al. 2007), alpha = roughness^2 (glTF); no highlight is fully rough.
   const double n = std::max(0.0f, material.mean.alpha);
   const double roughness = material.mean.ks > 1e-3 ? std::pow(2 / (n + 2), 0.25) : 1;
-  return {{"baseColorFactor", {rounded(color.x), rounded(color.y), rounded(color.z), 1.0}},
-          {"metallicFactor", 0.0},
-          {"roughnessFactor", rounded(std::clamp(roughness, 0.05, 1.0))}};
+  setNull(look);
+  setNumbers(memberOf(look, "baseColorFactor"), {rounded(color.x), rounded(color.y), rounded(color.z), 1.0});
+  memberOf(look, "metallicFactor") = 0.0;
+  memberOf(look, "roughnessFactor") = rounded(std::clamp(roughness, 0.05, 1.0));
 }
 
 Result<FallbackMaps> bakeFallback(const Material& material) {

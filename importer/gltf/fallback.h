@@ -10,8 +10,8 @@
 
 namespace loden::importer {
 
-// pbrMetallicRoughness of factors alone: average colour and gloss.
-nlohmann::ordered_json fittedFactors(const Material& material);
+// Makes `look` a pbrMetallicRoughness of factors alone: average colour and gloss.
+void fitFactors(nlohmann::ordered_json& look, const Material& material);
 
 // One period of the tile as it is seen from straight above, and what its factors are then.
 struct FallbackMaps {

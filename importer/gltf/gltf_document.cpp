@@ -48,6 +48,15 @@ Status splitGlb(std::string_view bytes, const std::string& name, std::string_vie
   return {};
 }
 
+// asset.version; empty if that is no string.
+std::string_view versionOf(const nlohmann::ordered_json& scene) {
+  const auto asset = scene.find("asset");
+  if (asset == scene.end() || !asset->is_object()) return {};
+  const auto version = asset->find("version");
+  return version != asset->end() && version->is_string() ? version->get_ref<const std::string&>()
+                                                         : std::string_view();
+}
+
 int base64Digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
@@ -127,13 +136,9 @@ Result<GltfDocument> parseGltf(std::string_view bytes, const std::string& name) 
       return status.issue();
   }
   if (const Status depth = checkJsonDepth(json, name); !depth) return depth.issue();
-  document.json = nlohmann::ordered_json::parse(json, nullptr, false);
-  if (!document.json.is_object()) return issueAt(issue_id::kGltfParse, name, "is no glTF: not a JSON object");
-  const auto asset = document.json.find("asset");
-  const auto version = asset != document.json.end() && asset->is_object()
-                           ? asset->value("version", nlohmann::ordered_json())
-                           : nlohmann::ordered_json();
-  if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
+  if (!parseInto(document.json, json) || !document.json.is_object())
+    return issueAt(issue_id::kGltfParse, name, "is no glTF: not a JSON object");
+  if (!versionOf(document.json).starts_with("2."))
     return issueAt(issue_id::kGltfVersion, name + ": asset.version", "is not 2.x");
   return document;
 }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "importer/gltf/json_tree.h"
 #include "material/base/result.h"
 
 namespace loden::importer {
@@ -17,9 +18,13 @@ inline constexpr const char* kExtensionName = "LODEN_materials_flat_btf";
 inline constexpr const char* kAssetMimeType = "application/vnd.loden";
 
 struct GltfDocument {
-  nlohmann::ordered_json json;
-  bool binary = false;       // .glb
-  std::string binary_chunk;  // of a .glb, without padding
+  GltfDocument() = default;
+  GltfDocument(GltfDocument&&) = default;
+  ~GltfDocument() { takeApart(json); }
+
+  nlohmann::ordered_json json;  // changed by importer/gltf/json_tree.h alone
+  bool binary = false;          // .glb
+  std::string binary_chunk;     // of a .glb, without padding
 };
 
 // From the bytes of a .gltf or .glb file. Refuses more than 64 nested arrays and objects before parsing.

@@ -78,12 +78,13 @@ class Surveyor {
   void placeNodes() {
     std::vector<std::pair<int64_t, glm::dmat4>> open;
     const int64_t chosen = std::max<int64_t>(integerMember(json_, "scene"), 0);
-    const Json scene = exists(chosen, "scenes") ? json_["scenes"][size_t(chosen)] : Json::object();
     const auto push = [&](const Json& list, const glm::dmat4& world) {
       for (const Json& index : list)
         if (index.is_number_integer()) open.emplace_back(index.get<int64_t>(), world);
     };
-    if (arraySize(scene, "nodes") > 0) push(scene["nodes"], glm::dmat4(1));
+    if (exists(chosen, "scenes"))
+      if (const Json& scene = json_["scenes"][size_t(chosen)]; arraySize(scene, "nodes") > 0)
+        push(scene["nodes"], glm::dmat4(1));
     while (!open.empty()) {
       const auto [node, parent] = open.back();
       open.pop_back();

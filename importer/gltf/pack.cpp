@@ -45,6 +45,11 @@ Result<int> findMaterial(const Json& scene, const PackOptions& options) {
                                            (names.empty() ? "none" : names));
 }
 
+// Index of the last element of an array member.
+int64_t lastOf(const Json& object, const char* key) {
+  return static_cast<int64_t>(arraySize(object, key)) - 1;
+}
+
 // Appends the asset's bytes as a bufferView: to the binary chunk of a GLB, else as a buffer with a data uri.
 int64_t embedBytes(GltfDocument& document, const std::string& bytes) {
   Json& json = document.json;
@@ -57,31 +62,53 @@ int64_t embedBytes(GltfDocument& document, const std::string& bytes) {
     chunk.append((4 - chunk.size() % 4) % 4, '\0');
     offset = chunk.size();
     chunk += bytes;
-    if (arraySize(json, "buffers") == 0) json["buffers"] = Json::array({Json::object()});
-    json["buffers"][0]["byteLength"] = chunk.size();
+    Json& buffers = listOf(json, "buffers");
+    memberOf(buffers.empty() ? appendTo(buffers) : buffers[0], "byteLength") = chunk.size();
   } else {
-    json["buffers"].push_back(
-        {{"uri", "data:application/octet-stream;base64," + base64(bytes)}, {"byteLength", bytes.size()}});
-    buffer = static_cast<int64_t>(json["buffers"].size()) - 1;
+    Json& added = appendTo(listOf(json, "buffers"));
+    memberOf(added, "uri") = "data:application/octet-stream;base64," + base64(bytes);
+    memberOf(added, "byteLength") = bytes.size();
+    buffer = lastOf(json, "buffers");
   }
-  json["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
-  return static_cast<int64_t>(json["bufferViews"].size()) - 1;
+  Json& view = appendTo(listOf(json, "bufferViews"));
+  memberOf(view, "buffer") = buffer;
+  memberOf(view, "byteOffset") = offset;
+  memberOf(view, "byteLength") = bytes.size();
+  return lastOf(json, "bufferViews");
 }
 
-// Index of `entry` in the root extension's assets, added if it is not there.
-int64_t assetIndex(Json& scene, const Json& entry) {
-  Json& assets = scene["extensions"][kExtensionName]["assets"];
-  if (!assets.is_array()) assets = Json::array();
-  const auto found = std::find(assets.begin(), assets.end(), entry);
-  const int64_t index = found - assets.begin();
-  if (found == assets.end()) assets.push_back(entry);
-  return index;
+// An entry of the root extension's assets.
+struct AssetEntry {
+  std::string uri;  // empty: embedded
+  int64_t view = -1;
+};
+
+bool refersTo(const Json& entry, const std::string& uri) {
+  const auto found = entry.find("uri");
+  return entry.size() == 1 && found != entry.end() && found->is_string() &&
+         found->get_ref<const std::string&>() == uri;
+}
+
+// Its index, added if it is not there.
+int64_t assetIndex(Json& scene, const AssetEntry& entry) {
+  Json& assets = listOf(memberOf(memberOf(scene, "extensions"), kExtensionName), "assets");
+  for (size_t i = 0; i < assets.size(); ++i)
+    if (refersTo(assets[i], entry.uri)) return static_cast<int64_t>(i);
+  Json& added = appendTo(assets);
+  if (entry.uri.empty()) {
+    memberOf(added, "bufferView") = entry.view;
+    memberOf(added, "mimeType") = kAssetMimeType;
+  } else {
+    memberOf(added, "uri") = entry.uri;
+  }
+  return static_cast<int64_t>(assets.size()) - 1;
 }
 
 void declareUsed(Json& scene, const char* name) {
-  Json& used = scene["extensionsUsed"];
-  if (!used.is_array()) used = Json::array();
-  if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
+  Json& used = listOf(scene, "extensionsUsed");
+  for (const Json& other : used)
+    if (other.get_ref<const std::string&>() == name) return;
+  appendTo(used) = name;
 }
 
 // Files to copy, found out before the first one is: what fails, fails with nothing written.
@@ -141,12 +168,12 @@ fs::path hashedName(const fs::path& path, const std::string& bytes) {
 }
 
 // The asset as an entry of the root extension: embedded, or by uri with the file where the uri points.
-Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, const std::string& bytes,
-                            Copies& copies, PackReport& report) {
+Result<AssetEntry> referenceAsset(GltfDocument& document, const PackOptions& options,
+                                  const std::string& bytes, Copies& copies, PackReport& report) {
   if (options.embed) {
     const int64_t view = embedBytes(document, bytes);
     report.asset_reference = "bufferView " + std::to_string(view);
-    return Json{{"bufferView", view}, {"mimeType", kAssetMimeType}};
+    return AssetEntry{{}, view};
   }
   const fs::path folder = fs::absolute(options.output).parent_path();
   fs::path relative =
@@ -160,7 +187,7 @@ Result<Json> referenceAsset(GltfDocument& document, const PackOptions& options, 
     copies.push_back({options.asset, folder / relative});
   }
   report.asset_reference = uriFromPath(relative);
-  return Json{{"uri", report.asset_reference}};
+  return AssetEntry{report.asset_reference};
 }
 
 std::string inPercent(double share) {
@@ -213,31 +240,41 @@ Status layOut(const UvSurvey& survey, const Material& asset, const PackOptions& 
 // What the look of the material was made of, apart from what the extension keeps: alpha and emission by
 // factors, and double sides.
 void removeLook(Json& material) {
-  for (const char* member :
-       {"normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor", "alphaMode", "alphaCutoff"})
-    material.erase(member);
+  constexpr const char* kLook[] = {"normalTexture",  "occlusionTexture", "emissiveTexture",
+                                   "emissiveFactor", "alphaMode",        "alphaCutoff"};
+  removeMembers(material, [&](const std::string& name) {
+    return std::find(std::begin(kLook), std::end(kLook), name) != std::end(kLook);
+  });
   if (!material.contains("extensions")) return;
-  std::vector<std::string> looks;
-  for (const auto& [name, value] : material["extensions"].items())
-    if (name.starts_with("KHR_materials_") && name != "KHR_materials_variants") looks.push_back(name);
-  for (const std::string& name : looks) material["extensions"].erase(name);
+  removeMembers(material["extensions"], [](const std::string& name) {
+    return name.starts_with("KHR_materials_") && name != "KHR_materials_variants";
+  });
 }
 
-// A texture of the document, of a PNG inside it; as a member of a material.
-Json addTexture(GltfDocument& document, const std::string& png, const std::string& name,
-                const PackOptions& options, const glm::dvec2& scale) {
+// A texture of the document, of a PNG inside it.
+int64_t addTexture(GltfDocument& document, const std::string& png, const std::string& name) {
   Json& json = document.json;
   const int64_t view = embedBytes(document, png);
-  json["images"].push_back({{"name", name}, {"bufferView", view}, {"mimeType", "image/png"}});
-  json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9987}});
-  json["textures"].push_back(
-      {{"source", json["images"].size() - 1}, {"sampler", json["samplers"].size() - 1}});
-  Json use{{"index", json["textures"].size() - 1}};
-  if (options.tex_coord != 0) use["texCoord"] = options.tex_coord;
-  Json transform{{"scale", {scale.x, scale.y}}};
-  if (options.rotation != 0) transform["rotation"] = options.rotation;
-  use["extensions"]["KHR_texture_transform"] = transform;
-  return use;
+  Json& image = appendTo(listOf(json, "images"));
+  memberOf(image, "name") = name;
+  memberOf(image, "bufferView") = view;
+  memberOf(image, "mimeType") = "image/png";
+  Json& sampler = appendTo(listOf(json, "samplers"));
+  memberOf(sampler, "magFilter") = 9729;
+  memberOf(sampler, "minFilter") = 9987;
+  Json& texture = appendTo(listOf(json, "textures"));
+  memberOf(texture, "source") = lastOf(json, "images");
+  memberOf(texture, "sampler") = lastOf(json, "samplers");
+  return lastOf(json, "textures");
+}
+
+// What a member of a material says of its texture.
+void useTexture(Json& use, int64_t texture, const PackOptions& options, const glm::dvec2& scale) {
+  memberOf(use, "index") = texture;
+  if (options.tex_coord != 0) memberOf(use, "texCoord") = options.tex_coord;
+  Json& transform = memberOf(memberOf(use, "extensions"), "KHR_texture_transform");
+  setNumbers(memberOf(transform, "scale"), {scale.x, scale.y});
+  if (options.rotation != 0) memberOf(transform, "rotation") = options.rotation;
 }
 
 // The asset's look for viewers without the extension, in place of the material's own.
@@ -245,35 +282,38 @@ Status replaceLook(GltfDocument& document, int64_t index, const Material& asset,
                    const glm::dvec2& scale) {
   const auto maps = bakeFallback(asset);
   if (!maps) return maps.issue();
-  Json& json = document.json;
-  Json look = fittedFactors(asset), normal;
-  if (!maps->color_png.empty()) {
-    const glm::vec3& factor = maps->color_factor;
-    look["baseColorFactor"] = {factor.r, factor.g, factor.b, 1.0};
-    look["baseColorTexture"] =
-        addTexture(document, maps->color_png, options.material + " colours", options, scale);
-    normal = addTexture(document, maps->normal_png, options.material + " normals", options, scale);
-    declareUsed(json, "KHR_texture_transform");
+  const bool textured = !maps->color_png.empty();
+  int64_t colors = -1, normals = -1;
+  if (textured) {
+    colors = addTexture(document, maps->color_png, options.material + " colours");
+    normals = addTexture(document, maps->normal_png, options.material + " normals");
+    declareUsed(document.json, "KHR_texture_transform");
   }
-  Json& material = json["materials"][static_cast<size_t>(index)];
+  Json& material = document.json["materials"][static_cast<size_t>(index)];
   removeLook(material);
-  material["pbrMetallicRoughness"] = look;
-  if (!normal.is_null()) material["normalTexture"] = normal;
+  Json& look = memberOf(material, "pbrMetallicRoughness");
+  fitFactors(look, asset);
+  if (textured) {
+    const glm::vec3& factor = maps->color_factor;
+    setNumbers(memberOf(look, "baseColorFactor"), {factor.r, factor.g, factor.b, 1.0});
+    useTexture(memberOf(look, "baseColorTexture"), colors, options, scale);
+    useTexture(memberOf(material, "normalTexture"), normals, options, scale);
+  }
   if (maps->sheen != glm::vec3(0)) {
-    material["extensions"]["KHR_materials_sheen"] = {
-        {"sheenColorFactor", {maps->sheen.r, maps->sheen.g, maps->sheen.b}},
-        {"sheenRoughnessFactor", maps->sheen_roughness}};
-    declareUsed(json, "KHR_materials_sheen");
+    Json& sheen = memberOf(memberOf(material, "extensions"), "KHR_materials_sheen");
+    setNumbers(memberOf(sheen, "sheenColorFactor"), {maps->sheen.r, maps->sheen.g, maps->sheen.b});
+    memberOf(sheen, "sheenRoughnessFactor") = maps->sheen_roughness;
+    declareUsed(document.json, "KHR_materials_sheen");
   }
   return {};
 }
 
-Json materialExtension(int64_t asset, const PackOptions& options, const glm::dvec2& scale) {
-  Json extension{{"asset", asset}};
-  if (options.tex_coord != 0) extension["texCoord"] = options.tex_coord;
-  if (scale != glm::dvec2(1)) extension["scale"] = {scale.x, scale.y};
-  if (options.rotation != 0) extension["rotation"] = options.rotation;
-  return extension;
+void extendMaterial(Json& extension, int64_t asset, const PackOptions& options, const glm::dvec2& scale) {
+  setNull(extension);
+  memberOf(extension, "asset") = asset;
+  if (options.tex_coord != 0) memberOf(extension, "texCoord") = options.tex_coord;
+  if (scale != glm::dvec2(1)) setNumbers(memberOf(extension, "scale"), {scale.x, scale.y});
+  if (options.rotation != 0) memberOf(extension, "rotation") = options.rotation;
 }
 
 // Every mesh part that wears the material needs the set of texture coordinates.
@@ -320,10 +360,11 @@ Result<PackReport> packScene(const PackOptions& options) {
   const int64_t asset_index = assetIndex(document->json, *entry);
   {
     Json& material = document->json["materials"][*index];
-    material["extensions"][kExtensionName] = materialExtension(asset_index, options, report.scale);
+    extendMaterial(memberOf(memberOf(material, "extensions"), kExtensionName), asset_index, options,
+                   report.scale);
     report.fallback_fitted = options.fit_fallback || !material.contains("pbrMetallicRoughness");
     if (report.fallback_fitted && !options.fit_fallback)
-      material["pbrMetallicRoughness"] = fittedFactors(*asset);
+      fitFactors(memberOf(material, "pbrMetallicRoughness"), *asset);
   }
   declareUsed(document->json, kExtensionName);
   if (options.fit_fallback)

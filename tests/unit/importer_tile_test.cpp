@@ -526,7 +526,9 @@ TEST(TileGltf, MirroredNodesKeepTheirFront) {
 
 TEST(TileGltf, ReadsBinaryFilesLikeText) {
   const TemporaryFolder folder;
-  GltfDocument document{gltfTile(), true, {}};
+  GltfDocument document;
+  document.json = gltfTile();
+  document.binary = true;
   EXPECT_EQ(refusal(folder.write("t.glb", serializeGltf(document))), 0);
 }
 

@@ -155,8 +155,7 @@ class Strip {
 
 struct Arguments {
   TileArguments tile;
-  std::vector<std::string> motions;
-  std::filesystem::path pictures;
+  std::vector<std::string> motions{"zoom", "pan", "orbit"};
 };
 
 // One setting of each renderer: its default lookup, or its last.
@@ -186,12 +185,12 @@ void measureMotion(const FullScreen& screen, const std::vector<TileRenderer>& re
     add(renderer.name, renderer.setting, frames);
     if (isShown(renderer, renderers)) strip.add(frames, truth);
   }
-  if (arguments.pictures.empty()) return;
-  std::filesystem::create_directories(arguments.pictures);
+  if (arguments.tile.pictures.empty()) return;
+  std::filesystem::create_directories(arguments.tile.pictures);
   char name[128];
   std::snprintf(name, sizeof name, "motion-%s-%s-%g.png", std::filesystem::path(tile).stem().string().c_str(),
                 motion.name, from.lambda);
-  strip.write(arguments.pictures / name);
+  strip.write(arguments.tile.pictures / name);
 }
 
 void measureTile(const runtime::Device& device, const FullScreen& screen, const Arguments& arguments,
@@ -214,23 +213,14 @@ void measureTile(const runtime::Device& device, const FullScreen& screen, const 
   }
 }
 
-const std::string kUsage = std::string("bench_motion [--motion zoom,pan,orbit] [--pictures FOLDER] ") +
-                           kTileUsage + kTileUsageNotes + "\n--pictures writes a strip of each motion";
+const std::string kUsage = std::string("bench_motion [--motion zoom,pan,orbit] ") + kTileUsage +
+                           kTileUsageNotes + "\n--pictures writes a strip of each motion";
 
 Arguments parseArguments(int argc, char** argv) {
   Arguments all;
-  all.tile = parseTileArguments(argc, argv, "bench_motion", kUsage,
-                                [&](const std::string& option, const std::string& value) {
-                                  if (option == "--motion")
-                                    all.motions = splitAtCommas(value);
-                                  else if (option == "--pictures")
-                                    all.pictures = value;
-                                  else
-                                    return false;
-                                  return true;
-                                });
-  if (all.motions.empty()) all.motions = {"zoom", "pan", "orbit"};
-  if (all.tile.lambdas.empty()) all.tile.lambdas = {0, 2, 4};
+  all.tile =
+      parseTileArguments(argc, argv, "bench_motion", kUsage,
+                         {{"--motion", [&](const auto& value) { all.motions = splitAtCommas(value); }}});
   if (all.tile.only.empty()) all.tile.only = {"parallax", "as published", "Loden, surface", "Loden, fused"};
   return all;
 }

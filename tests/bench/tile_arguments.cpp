@@ -28,6 +28,8 @@ bool take(TileArguments& all, const std::string& option, const std::string& valu
     all.only = splitAtCommas(value);
   else if (option == "--assets")
     all.assets = value;
+  else if (option == "--pictures")
+    all.pictures = value;
   else if (option == "--size")
     all.study.size = wholeNumberOf(option, value, 4, 256);
   else if (option == "--threads")
@@ -62,8 +64,7 @@ bool TileArguments::wants(std::string_view renderer) const {
 }
 
 TileArguments parseTileArguments(int argc, char** argv, const std::string& program,
-                                 const std::string& usage_text,
-                                 const std::function<bool(const std::string&, const std::string&)>& own) {
+                                 const std::string& usage_text, const OwnOptions& own) {
   program_name = program;
   program_usage = usage_text;
   TileArguments all;
@@ -80,9 +81,12 @@ TileArguments parseTileArguments(int argc, char** argv, const std::string& progr
     if (++i == argc) usage(option + " is unknown, or needs a value");
     const std::string value = argv[i];
     all.command += " " + value;
+    const auto taker = own.find(option);
     if (option == "--command")
       command = value;
-    else if (!take(all, option, value) && !own(option, value))
+    else if (taker != own.end())
+      taker->second(value);
+    else if (!take(all, option, value))
       usage(option + " " + value + " is unknown");
   }
   if (!command.empty()) all.command = command;

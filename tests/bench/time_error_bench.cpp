@@ -139,7 +139,6 @@ struct Arguments {
   TileArguments tile;
   std::vector<double> degrees{0};
   int lights = 1;
-  std::filesystem::path pictures;
 };
 
 void measureTile(const runtime::Device& device, const FullScreen& screen, const Arguments& arguments,
@@ -158,29 +157,20 @@ void measureTile(const runtime::Device& device, const FullScreen& screen, const 
       glm::dvec3 sum(0);
       for (const glm::vec3& pixel : expected) sum += glm::dvec3(pixel);
       *mean = glm::vec3(sum / double(expected.size()));
-      measureView(screen, renderers, tile, view, arguments.lights, expected, arguments.pictures, rows);
+      measureView(screen, renderers, tile, view, arguments.lights, expected, arguments.tile.pictures, rows);
     }
 }
 
-const std::string kUsage =
-    std::string("bench_time_error [--degrees D,...] [--lights 1..4] [--pictures FOLDER] ") + kTileUsage +
-    kTileUsageNotes + "\n--pictures writes the truth and what each renderer draws";
+const std::string kUsage = std::string("bench_time_error [--degrees D,...] [--lights 1..4] ") + kTileUsage +
+                           kTileUsageNotes + "\n--pictures writes the truth and what each renderer draws";
 
 Arguments parseArguments(int argc, char** argv) {
   Arguments all;
-  all.tile = parseTileArguments(argc, argv, "bench_time_error", kUsage,
-                                [&](const std::string& option, const std::string& value) {
-                                  if (option == "--degrees")
-                                    all.degrees = numbersOf(option, value, 0, 80);
-                                  else if (option == "--lights")
-                                    all.lights = wholeNumberOf(option, value, 1, kMostLights);
-                                  else if (option == "--pictures")
-                                    all.pictures = value;
-                                  else
-                                    return false;
-                                  return true;
-                                });
-  if (all.tile.lambdas.empty()) all.tile.lambdas = {0, 2, 4};
+  all.tile = parseTileArguments(
+      argc, argv, "bench_time_error", kUsage,
+      {{"--degrees", [&](const auto& value) { all.degrees = numbersOf("--degrees", value, 0, 80); }},
+       {"--lights",
+        [&](const auto& value) { all.lights = wholeNumberOf("--lights", value, 1, kMostLights); }}});
   return all;
 }
 

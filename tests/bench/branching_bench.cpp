@@ -3,7 +3,9 @@
 #include <epoxy/gl.h>
 
 #include <cstdio>
+#include <limits>
 
+#include "runtime/gl/material/gl_texture.h"
 #include "runtime/stream/shader_variants.h"
 #include "tests/bench/bench_support.h"
 
@@ -18,8 +20,8 @@ constexpr int kRounds = 15;
 
 // What every engine has: one diffuse and one normal map, trilinear.
 const char kNormalMap[] = R"(
-layout(binding = 0) uniform sampler2DArray normal_map;
-layout(binding = 1) uniform sampler2DArray diffuse_map;
+layout(binding = LODEN_MAX_UNITS) uniform sampler2DArray normal_map;
+layout(binding = LODEN_MAX_UNITS + 1) uniform sampler2DArray diffuse_map;
 layout(location = 0) in vec2 uv;
 layout(location = 0) out vec4 color;
 void main() {
@@ -27,6 +29,15 @@ void main() {
   vec3 n = normalize(texture(normal_map, vec3(uv * 5.0, 0.0)).xyz);
   color = vec4(texture(diffuse_map, vec3(uv * 5.0, 0.0)).xyz * max(dot(n, wi), 0.0), 2.0);
 })";
+
+GlTexture uploaded(const Texture& map, int unit, const char* label) {
+  const PartTexture part{unit, Sampling::kRepeatTrilinear, false, label, map};
+  GlTexture texture = allocateTexture(part, label);
+  int64_t unlimited = std::numeric_limits<int64_t>::max();
+  TextureUpload().step(part, texture.name(), unlimited);
+  glBindTextureUnit(GLuint(unit), texture.name());
+  return texture;
+}
 
 struct Subject {
   const char* name;
@@ -56,15 +67,12 @@ Subject makeSubject(const FullScreen& screen, MaterialSystem& materials, const M
 }
 
 void report(const FullScreen& screen, MaterialSystem& materials, const Subject& subject,
-            const GlProgram& normal_map, MaterialId normal_map_textures) {
+            const GlProgram& normal_map) {
   std::vector<glm::vec2> lambdas;
   for (float lambda = 0; lambda <= 5; lambda += 1) lambdas.push_back({lambda, lambda});
   lambdas.push_back({0, 6});  // a floor into the distance: every pixel its own lambda
   std::vector<std::function<void()>> tasks;
-  tasks.push_back([&] {
-    materials.bind(normal_map_textures);
-    screen.draw(normal_map);
-  });
+  tasks.push_back([&] { screen.draw(normal_map); });
   for (const glm::vec2 lambda : lambdas)
     for (const GlProgram* program : {&subject.branching, &subject.straight})
       tasks.push_back([&, lambda, program] {
@@ -93,14 +101,17 @@ int main(int argc, char** argv) {
   const Subject lod = makeSubject(screen, *materials, lodMaterial(1), "lod");
   const Subject fused = makeSubject(screen, *materials, fusedMaterial(2), "fused");
   const Subject surface = makeSubject(screen, *materials, surfaceMaterial(3), "surface");
-  const GlProgram normal_map = screen.program(kNormalMap, {});
+  const std::string units = "LODEN_MAX_UNITS " + std::to_string(LODEN_MAX_UNITS);
+  const GlProgram normal_map = screen.program(kNormalMap, {&units, 1});
+  const Material maps = surfaceMaterial(4);  // in units of their own, which no material binds
+  const GlTexture normals = uploaded(maps.surface->normal, LODEN_MAX_UNITS, "normal map"),
+                  colors = uploaded(maps.surface->color, LODEN_MAX_UNITS + 1, "diffuse map");
 
   std::printf("# bench_branching: %d x %d pixels, 1 light, median of %d interleaved frames, %s\n", kSize.x,
               kSize.y, kRounds, device->capabilities().renderer.c_str());
   std::printf("# fetches: texture instructions per pixel; x normal map: time against diffuse + normal map\n");
   std::printf("%-8s %6s %10s %10s %10s %10s %10s\n", "mode", "lambda", "fetches", "no branch", "ms",
               "no branch", "x nrm map");
-  for (const Subject* subject : {&lod, &fused, &surface})
-    report(screen, *materials, *subject, normal_map, surface.id);
+  for (const Subject* subject : {&lod, &fused, &surface}) report(screen, *materials, *subject, normal_map);
   return 0;
 }

@@ -7,6 +7,7 @@
 
 #include "runtime/gl/material/gl_texture.h"
 #include "runtime/stream/shader_variants.h"
+#include "shaders/loden_shared.h"
 #include "tests/bench/bench_support.h"
 
 namespace {

@@ -203,7 +203,7 @@ TEST_F(GltfAllocation, PackingASceneWithPictures) {
 TEST_F(GltfAllocation, LoadingAScene) {
   const runtime::SceneOptions options;
   expectSurvived(
-      "loadGltfScene", [&] { return idOf(runtime::loadGltfScene(scene_, options)); }, "tinygltf", 1);
+      "loadGltfScene", [&] { return idOf(runtime::loadGltfScene(scene_, options)); }, "tinygltf", 2);
 }
 
 }  // namespace

@@ -10,27 +10,28 @@
 
 namespace loden::runtime {
 
-// One per material of the scene, and glTF's default material behind them.
+// The base materials (glTF's own metallic-roughness materials): one per material of the scene, then glTF's
+// default material as the last.
 class BaseMaterials {
  public:
-  // Uploads every image that a material uses, with mipmaps, once per colour space and sampler. Images larger
-  // than the driver's textures are halved until they fit.
+  // than the driver's largest texture are halved until they fit.
   explicit BaseMaterials(const Scene& scene);
 
-  // The index of an instance's material.
+  // The index, for alphaMode() and bind(), of an instance's material.
   int indexOf(const Instance& instance) const {
     return instance.material >= 0 ? instance.material : static_cast<int>(materials_.size()) - 1;
   }
   AlphaMode alphaMode(int material) const { return materials_[size_t(material)].alpha_mode; }
-  // Binds the textures and the uniform block of one.
+  // Binds the textures and the uniform block of that material.
   void bind(int material) const;
-  // On the GPU, mipmaps included.
+  // Bytes of all textures on the GPU, mipmaps included.
   uint64_t textureBytes() const { return texture_bytes_; }
 
  private:
   struct Item {
     AlphaMode alpha_mode = AlphaMode::kOpaque;
-    std::array<uint32_t, kTextureRoles> textures{};  // GL names; 0: none
+    // GL names by TextureRole; 0 where the material has no such texture
+    std::array<uint32_t, kTextureRoles> textures{};
   };
   std::vector<GlTexture> textures_;
   std::vector<Item> materials_;

@@ -1,5 +1,5 @@
-// Draws a scene: forward shading with a depth pre-pass, a sun with a shadow map, point and spot lights, and
-// light from all around; what is blended comes last, from back to front.
+// The sample renderer: draws a scene with forward shading after a depth pre-pass, lit by a sun with a shadow
+// map, point and spot lights, and an environment. Blended objects are drawn last, from back to front.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@ namespace loden::runtime {
 enum class ToneCurve {
   kClip,
   kFilmic,
-  kNeutral,  // as glTF's viewers have it: Khronos PBR Neutral
+  kNeutral,  // Khronos PBR Neutral, which glTF viewers use
 };
 
-// Colours that tell of a Loden material's cost in place of its look.
+// False colours that show what a Loden material costs per pixel, in place of its look.
 enum class HeatMap {
   kNone,
   kLambda,   // level of detail, from 0 to 8
@@ -34,110 +34,119 @@ enum class HeatMap {
   kTerms,    // red: near term, green: bands, blue: the mean alone
 };
 
-// Where lambda comes from: the pixel's footprint on the surface, or its distance alone, as LBTF 3.4, step 2
-// has it, in units at which a texel covers a pixel.
+// How lambda, the level of detail, is computed per pixel: from the pixel's footprint on the surface, or from
+// the distance to the camera alone (LBTF 3.4, step 2), in units of the distance at which a texel covers a
+// pixel.
 enum class LambdaRule { kFootprint, kDistance };
 
 struct FrameSettings {
-  bool base_materials_only = false;  // glTF's own materials, as a viewer without the extension shows them
-  // What engines have instead, to compare with: height fields by parallax occlusion mapping (16 linear steps,
-  // 5 bisections), their maps at the point that it finds and no shadows in the tile; other materials, and
-  // those without a near term, as glTF's own.
+  // draws glTF's own materials, as a viewer without Loden's extension does
+  bool base_materials_only = false;
+  // Draws Loden materials whose geometry is a height field by parallax occlusion mapping (16 linear steps, 5
+  // bisections), for comparison: their maps are read at the point that it finds, and the tile casts no
+  // shadows on itself. Other materials, and those without a near term, are drawn as glTF's own.
   bool parallax_occlusion = false;
-  bool shadows = true;  // of the scene's sun
-  // Of the environment's brightest sun, where the scene has none of its own.
+  bool shadows = true;  // shadows of the scene's sun
+  // Shadows of the environment's brightest sun, where the scene has no sun of its own.
   bool environment_shadows = false;
-  float shadow_width = 1;  // half width of the shadows' borders, texels of the map; above 1 they are soft
+  // half width of the shadows' borders, in texels of the shadow map; above 1 they are soft
+  float shadow_width = 1;
   bool depth_prepass = true;
-  bool cull = true;  // leaves out what is not in view or shows its back; off for measuring
-  // Depth, lamps and the sun's shadow map at the hit below the reference plane, so that what stands in a
-  // relief's valleys is seen and lit. Costs a lookup per texel of the shadow map and per pixel of the
-  // pre-pass.
+  bool cull = true;  // skips objects that are out of view or show only back faces; off for measuring
+  // The depth buffer, point and spot lights and the sun's shadow map use the ray's hit below the reference
+  // plane in place of the mesh, so that objects that stand in a relief's valleys are seen and lit. Costs a
+  // VDIM look-up per texel of the shadow map and per pixel of the pre-pass.
   bool parallax_depth = false;
-  // With parallax_depth: a mesh is where its relief is lowest, not highest, so that silhouettes gain what
-  // sticks out. Drawn as a shell: the mesh moved out along its normals by the depth of the tile, less what
-  // rays do not meet. Meshes with hard edges gape there.
+  // Needs parallax_depth. The mesh counts as the lowest level of the relief, not the highest, so that
+  // silhouettes gain what sticks out. It is drawn as a shell: the mesh moved outwards along its normals by
+  // the depth of the tile, and pixels whose rays miss the relief are discarded. The shell has gaps along hard
+  // edges of the mesh.
   bool shell = false;
-  // Per pixel, for silhouettes; 1, 2, 4 or 8. Above 1 the frame is drawn elsewhere and its colour alone
-  // resolved into the target, whose depth is neither cleared nor written.
+  // Samples per pixel, for smooth silhouettes: 1, 2, 4 or 8. Above 1 the frame is drawn into a framebuffer of
+  // the renderer's own, of which only the colour is resolved into the target; the target's depth is then
+  // neither cleared nor written.
   int samples = 1;
   LambdaRule lambda_rule = LambdaRule::kFootprint;
-  std::optional<float> lambda;  // instead, everywhere
-  // At most: kNone leaves shadows of the near term out, kFast and kMap look up in fewer steps. What has a
-  // shadow map keeps reading it.
+  std::optional<float> lambda;  // if set, the lambda of every pixel, in place of lambda_rule
+  // The most costly shadows of the near term to draw: kNone leaves them out, kFast and kMap use look-ups of
+  // fewer steps. A material that has a shadow map reads it unless this is kNone.
   Visibility visibility = Visibility::kDefault;
-  Lookup lookup = Lookup::kDefault;  // kFast or kDefault
-  HeatMap heat = HeatMap::kNone;     // without parallax_depth
+  Lookup lookup = Lookup::kDefault;  // the VDIM look-up of the near term: kFast or kDefault
+  HeatMap heat = HeatMap::kNone;     // ignored with parallax_depth
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
-  // What glTF's own materials mirror of the environment; their light is then that of the map alone.
+  // What glTF's own materials reflect of the environment; all their environment light then comes from this
+  // map.
   std::shared_ptr<const ReflectionMap> reflections;
-  std::optional<float> sky_level;  // the level of that map to show behind everything; none: the background
-  // Light from all around, world frame; at most SCENE_MAX_SUNS suns count. None: a sky and a ground.
+  // the level of `reflections` to show behind the scene; if not set, `background` is shown
+  std::optional<float> sky_level;
+  // Light from all around, in the world frame; of its suns at most SCENE_MAX_SUNS are used. If not set,
+  // sky_ambient and ground_ambient light the scene.
   std::optional<Environment> environment;
-  glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above, linear RGB; y is up
-  glm::vec3 ground_ambient{0.25f, 0.22f, 0.2f};  // and from below
+  glm::vec3 sky_ambient{0.55f, 0.6f, 0.7f};      // irradiance from above (y is up), linear RGB
+  glm::vec3 ground_ambient{0.25f, 0.22f, 0.2f};  // irradiance from below, linear RGB
   glm::vec3 background{0.02f, 0.022f, 0.026f};   // linear RGB
 };
 
-// What one material was asked for in a frame.
+// The level of detail that one frame wanted of a material, and the one it got.
 struct MaterialDemand {
   std::string name;
-  float lambda = 0;    // asked for
-  float resident = 0;  // what the shader was given
+  float lambda = 0;    // the finest level that the view asked for
+  float resident = 0;  // the finest level that the shader could use
 };
 
 struct FrameStats {
   int objects = 0, visible_objects = 0;
-  int draw_calls = 0;        // of the shading pass
-  int depth_draw_calls = 0;  // of the pre-pass and the shadow map
+  int draw_calls = 0;        // in the shading pass
+  int depth_draw_calls = 0;  // in the depth pre-pass and for the shadow map
   int program_changes = 0;
-  uint64_t triangles = 0;               // of the shading pass
+  uint64_t triangles = 0;               // in the shading pass
   std::vector<MaterialDemand> demands;  // visible materials only
 };
 
-// Where a frame goes: a framebuffer's GL name (0: the window) and its size in pixels. Its first draw buffer
-// is drawn; what others hold afterwards is undefined.
+// The framebuffer that a frame is drawn into: its GL name (0 is the window) and its size in pixels. The frame
+// goes into its first draw buffer; the contents of others are undefined afterwards.
 struct FrameTarget {
   uint32_t framebuffer = 0;
   glm::ivec2 size{0};
 };
 
-// One scene on the GPU. Destroy it before Device::recreate() and make another afterwards: it does not outlive
-// its context, as a MaterialSystem does. Per frame: prepare(), then MaterialSystem::update() or
-// finishLoading(), then draw().
+// A scene on the GPU and the passes that draw it. It does not outlive its GL context: destroy it before
+// Device::recreate() and create another afterwards. Call per frame: prepare(), then MaterialSystem::update()
+// or finishLoading(), then draw().
 class FrameRenderer {
  public:
-  // Uploads the meshes and opens the scene's assets, which are unloaded with the renderer. The device must be
-  // current, here and at the end; device, shaders and materials must outlive the renderer. Issues of
-  // MaterialSystem::load.
+  // A renderer of the scene. Uploads the meshes and opens the scene's assets, which are unloaded with the
+  // renderer. The device must be current here and when the renderer is destroyed; device, shaders and
+  // materials must outlive the renderer. Issues: those of MaterialSystem::load.
   static Result<std::unique_ptr<FrameRenderer>> create(const Device& device, ShaderLibrary& shaders,
                                                        MaterialSystem& materials, const Scene& scene);
   ~FrameRenderer();
   FrameRenderer(const FrameRenderer&) = delete;
   FrameRenderer& operator=(const FrameRenderer&) = delete;
 
-  // Moves nodes, skins, morph targets, lights and what hangs on them. The scene must be the one that was
-  // given to create(), but for its images, which may be gone. Leaves GL state as it was.
+  // Moves nodes, skins, morph targets and lights, and what is attached to them, to the pose. The scene must
+  // be the one given to create(), but its images need not be there any more. Leaves GL state as it was.
   void pose(const Scene& scene, const ScenePose& pose);
-  // Takes over the Loden materials that the scene's materials have by now: other bindings, and assets behind
-  // those that there were. The scene is as for pose(), and so is GL state. Issues of MaterialSystem::load.
+  // Uses the Loden materials that are now bound to the scene's materials, after a caller has changed bindings
+  // or appended assets. The scene must be the one given to create(), with or without its images. Leaves GL
+  // state as it was. Issues: those of MaterialSystem::load.
   Status dress(const Scene& scene, const ScenePose& pose);
-  // Finds what the view sees and demands its materials. No GL call.
+  // Finds the visible objects and demands their Loden materials from the MaterialSystem. Makes no GL call.
   void prepare(const View& view, const FrameSettings& settings);
-  // Draws what was prepared; nothing into an empty target. GL state is as before afterwards. Issues of
-  // ShaderLibrary::program; kMemory where the driver has no room for the samples.
+  // Draws what prepare() found; draws nothing if the target's size is 0. Leaves GL state as it was. Issues:
+  // those of ShaderLibrary::program; kMemory if the driver has no room for the samples.
   Status draw(const FrameTarget& target);
-  // Waits until the GPU has drawn everything; for measuring.
+  // Waits until the GPU has drawn everything; used for measuring.
   void finish() const;
 
-  // Of the last frame prepared or drawn.
+  // Numbers about the last frame that was prepared or drawn.
   const FrameStats& stats() const;
-  // The scene's assets, in its order.
+  // The materials of Scene::assets, in that order.
   std::vector<MaterialId> assets() const;
-  // Changes whenever what the last frame showed of its materials would now be shown in other detail.
+  // A number that changes whenever the Loden materials of the last frame would now be shown in other detail.
   uint64_t detailRevision() const;
-  // Around all instances, world.
+  // The box around all instances, in the world frame.
   Bounds bounds() const;
 
  private:

@@ -1,5 +1,5 @@
-// Private to the renderer: a framebuffer with several samples per pixel, for smooth silhouettes. Materials
-// filter themselves; shading runs once per pixel.
+// Private to the renderer: a framebuffer with several samples per pixel, for smooth silhouettes. Shading
+// still runs once per pixel, since materials are filtered by their level of detail.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,18 +12,19 @@ namespace loden::runtime {
 struct MultisampleTarget {
   glm::ivec2 size{0};
   int samples = 0;
-  uint32_t color_format = 0;  // GL's
-  GlTexture color, depth;     // RGBA8 sRGB or as many floating-point bits as the target has; 32-bit float
+  uint32_t color_format = 0;  // GL's internal format
+  // `color` is RGBA8 sRGB, or has as many floating-point bits as the target; `depth` is 32-bit float.
+  GlTexture color, depth;
   GlFramebuffer framebuffer;
 };
-// For resolving into `framebuffer`. `samples` is lowered to what the driver can do. Issues: kMemory, for
-// sizes that it cannot.
+// A target whose samples can be resolved into `framebuffer`. `samples` is lowered to what the driver can do.
+// Issues: kMemory for sizes that the driver cannot do.
 Result<MultisampleTarget> makeMultisampleTarget(glm::ivec2 size, int samples, uint32_t framebuffer);
 
-// Whether it still fits.
+// Whether the target can be used for these arguments of makeMultisampleTarget.
 bool fits(const MultisampleTarget& target, glm::ivec2 size, int samples, uint32_t framebuffer);
 
-// Averages the samples into a framebuffer of the same size; its depth stays as it is.
+// Averages the samples into the colour of a framebuffer of the same size, whose depth stays as it is.
 void resolve(const MultisampleTarget& from, uint32_t framebuffer);
 
 }  // namespace loden::runtime

@@ -1,5 +1,5 @@
-// Private to the renderer: which program an object is drawn with, by its material and what a frame's settings
-// leave out.
+// Private to the renderer: chooses the program that an object is drawn with, from the object's material and
+// the frame's settings.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,18 @@
 
 namespace loden::runtime {
 
-// What a pass draws with: set again only where the next object wants another.
+// The program and material that a pass has set; they are set again only if the next object needs others.
 struct PassProgram {
   std::string_view row;
   MaterialId material;
   MaterialVariant variant;
   uint32_t program = 0;
   int changes = 0;
-  int base_material = -1;  // whose textures are bound
+  int base_material = -1;  // the base material whose textures are bound; -1: none
 };
 
-// Everything that it refers to must outlive it. Objects are indices into GpuScene::objects.
+// Chooses and binds programs for one frame. All constructor arguments must outlive it. Objects are indices
+// into GpuScene::objects.
 class FramePrograms {
  public:
   FramePrograms(ShaderLibrary& shaders, MaterialSystem& materials, const GpuScene& scene,
@@ -33,18 +34,20 @@ class FramePrograms {
         image_light_(image_light),
         settings_(settings) {}
 
-  // None: drawn with its base material.
+  // The Loden material that the object is drawn with; 0 if it is drawn with its base (glTF) material.
   MaterialId materialOf(int object) const;
-  // A Loden material is opaque whatever its fallback is.
+  // The alpha mode of the object: opaque for a Loden material, whatever the glTF material's own alpha mode
+  // is.
   AlphaMode alphaMode(int object) const;
-  // Whether what is drawn of the material lies below its mesh.
+  // Whether the material's depth is that of its relief below the mesh, and not that of the mesh.
   bool movesDepth(MaterialId id) const;
 
-  // A program without a material, by its row.
+  // Uses the program of this row without a Loden material.
   Status use(std::string_view row, PassProgram& current) { return use(row, {}, {}, current); }
-  // An object's depth, as the camera or the sun sees it.
+  // Uses the program that draws an object's depth, as the camera or the sun sees it.
   Status useForDepth(int object, PassProgram& current);
-  // `lambda`: none of the object's pixels shows a finer level.
+  // Uses the program that shades an object. `lambda` is a lower bound of the level of detail of the object's
+  // pixels.
   Status useForShading(int object, float lambda, PassProgram& current);
 
  private:

@@ -1,4 +1,4 @@
-// Private to the renderer: where the sun's shadow map looks from.
+// Private to the renderer: the sun's shadow map and its projection.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,15 +8,15 @@
 
 namespace loden::runtime {
 
-// An orthographic view along the sunlight that holds everything in `world`.
+// An orthographic view along the sunlight that holds the whole box `world`.
 struct SunView {
   glm::mat4 clip_from_world{1};
-  glm::mat4 texture_from_world{1};  // the same in [0, 1]^3
-  float texel = 0;                  // metres, the longer side
+  glm::mat4 texture_from_world{1};  // like clip_from_world, but into [0, 1]^3
+  float texel = 0;                  // the longer side of a shadow map texel, metres
 };
 SunView sunView(const Bounds& world, const glm::vec3& direction, int side);
 
-// A square depth texture that compares, and the framebuffer to draw into it.
+// A square depth texture with comparison (for sampler2DShadow), and the framebuffer that draws into it.
 struct ShadowMap {
   static constexpr int kSide = 2048;
   GlTexture depth;

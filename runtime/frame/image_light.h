@@ -1,4 +1,4 @@
-// Private to the renderer: image based lighting's textures.
+// Private to the renderer: the textures of image based lighting.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,10 @@ namespace loden::runtime {
 class ImageLight {
  public:
   ImageLight();
-  // Uploads the map unless it is the one that was shown last; null: none.
+  // Uploads the map unless it is the one shown last; null: there is no map.
   void show(const std::shared_ptr<const ReflectionMap>& map);
-  // Binds SCENE_UNIT_REFLECTANCE, and SCENE_UNIT_REFLECTIONS if there are any.
+  // Binds the reflectance table to SCENE_UNIT_REFLECTANCE, and the map, if there is one, to
+  // SCENE_UNIT_REFLECTIONS.
   void bind() const;
 
  private:

@@ -1,4 +1,5 @@
-// Private to the renderer: a scene as the frame loop sees it. Only poseScene changes it.
+// Private to the renderer: a scene in GL buffers, as the passes draw it. After uploadScene only poseScene and
+// dressScene change it.
 #pragma once
 
 #include <optional>
@@ -17,22 +18,23 @@
 
 namespace loden::runtime {
 
-// An instance.
+// An instance of a mesh.
 struct Object {
-  int mesh = 0;           // index into GpuScene::meshes; a deformed one's is its own
-  bool deformed = false;  // by a skin or morph targets
+  int mesh = 0;           // index into GpuScene::meshes; a deformed object has a mesh of its own
+  bool deformed = false;  // its vertices are moved by a skin or morph targets
   glm::mat4 world_from_local{1};
   int asset = -1;               // index into GpuScene::assets; -1: drawn with its base material
-  int base_material = 0;        // of GpuScene::base_materials
-  float periods_per_metre = 1;  // of its UVs
-  bool curved = false;          // or with stretched UVs: the lookup follows it
-  Bounds bounds;                // world
-  FacingCone facing;            // every direction if double sided
-  bool mirrored = false;        // by its transform: front faces are clockwise
+  int base_material = 0;        // index into GpuScene::base_materials
+  float periods_per_metre = 1;  // tile periods per metre of its UVs
+  bool curved = false;    // the mesh is curved or has stretched UVs, so that look-ups follow the surface
+  Bounds bounds;          // world frame
+  FacingCone facing;      // directions of its front faces; every direction if double sided
+  bool mirrored = false;  // by its transform, so that front faces are clockwise
   bool double_sided = false;
 };
 
-// Unloads the material when it goes. The system must outlive it, with its context current.
+// A material that is unloaded when this object is destroyed. The system must outlive it, with its context
+// current then.
 class OwnedMaterial {
  public:
   OwnedMaterial(MaterialSystem& system, MaterialId id) : system_(&system), id_(id) {}
@@ -64,24 +66,24 @@ struct GpuScene {
   std::vector<GpuMesh> meshes;
   std::vector<Object> objects;
   std::vector<Asset> assets;
-  std::vector<Light> lights;  // points and spots
+  std::vector<Light> lights;  // point and spot lights
   std::optional<Light> sun;
-  Bounds bounds;                    // of all objects, world
-  std::vector<Light> scene_lights;  // all, in the scene's order
-  GlBuffer object_uniforms;         // a SceneObject every `object_stride` bytes
+  Bounds bounds;                    // around all objects, world frame
+  std::vector<Light> scene_lights;  // all lights of the scene, in its order
+  GlBuffer object_uniforms;         // one SceneObject (shaders/scene_shared.h) every `object_stride` bytes
   size_t object_stride = 0;
 };
 
-// Uploads meshes and per-object data, opens the assets. Issues of MaterialSystem::load.
+// A scene on the GPU. Uploads meshes and per-object data, and opens the assets. Issues: those of
+// MaterialSystem::load.
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials);
 
-// Takes over the Loden materials that the scene's materials have by now, and opens the assets that are new
-// behind those that there were; the scene must be the one that was uploaded, in this pose. Issues of
-// MaterialSystem::load.
+// Uses the Loden materials that are now bound to the scene's materials, and opens the assets that were
+// appended. The scene must be the one that was uploaded, in this pose. Issues: those of MaterialSystem::load.
 Status dressScene(const Scene& scene, const ScenePose& pose, MaterialSystem& materials, GpuScene& gpu);
 
-// Moves everything to where the pose has it; the scene must be the one that was uploaded. Tile periods per
-// metre stay those of the uploaded scene. Whether anything moved.
+// Moves everything to the pose, and returns whether anything moved. The scene must be the one that was
+// uploaded. Tile periods per metre stay those of the uploaded scene.
 bool poseScene(const Scene& scene, const ScenePose& pose, GpuScene& gpu);
 
 }  // namespace loden::runtime

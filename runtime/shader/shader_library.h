@@ -1,4 +1,4 @@
-// Programs by name and material variant: assembled from the embedded GLSL, compiled when first asked for, and
+// GL programs by row name and material variant: assembled from the embedded GLSL, compiled on first use, and
 // kept on disk as driver binaries.
 #pragma once
 
@@ -16,14 +16,15 @@
 namespace loden::runtime {
 
 struct ShaderLibraryOptions {
-  // Driver binaries by hash of driver and source; empty: none are kept. A damaged or foreign file is ignored.
+  // Folder for driver binaries, which are named by a hash of driver and source; empty: none are kept. Damaged
+  // or foreign files in it are ignored.
   std::filesystem::path cache_folder;
 };
 
 struct ShaderStats {
-  int compiled = 0;    // from source
-  int from_cache = 0;  // from a binary on disk
-  double seconds = 0;  // spent in both
+  int compiled = 0;    // programs compiled from source
+  int from_cache = 0;  // programs loaded from a binary on disk
+  double seconds = 0;  // time spent on both
 };
 
 class ShaderLibrary {
@@ -31,11 +32,12 @@ class ShaderLibrary {
   // The device must outlive the library.
   ShaderLibrary(const Device& device, ShaderLibraryOptions options);
 
-  // GL name of the program, owned by the library and valid until it is destroyed or the context is lost.
-  // kShader with file and line if it does not compile, or if no row of the list allows it.
+  // The GL name of the program, owned by the library and valid until the library is destroyed or the context
+  // is lost. Issues: kShader, with file and line, if it does not compile, or if no row of kProgramRows allows
+  // it.
   Result<uint32_t> program(std::string_view row, const MaterialVariant& variant);
 
-  // Forgets all programs of a context that is gone; they are compiled again when asked for.
+  // Forgets all programs, whose context is gone; they are compiled again on their next use.
   void contextLost();
   const ShaderStats& stats() const { return stats_; }
 
@@ -48,13 +50,14 @@ class ShaderLibrary {
   ShaderStats stats_;
 };
 
-// Low level: text with `#include "loden_material.glsl"` lines, resolved among the embedded files, each file
-// at most once. `defines` become `#define` lines after `#version 450 core`.
+// GLSL text with `#include "name"` lines, which compileProgram resolves among the embedded files, each file
+// at most once.
 struct ShaderText {
-  std::string name;  // for messages
+  std::string name;  // the name used in messages
   std::string text;
 };
-// A linked program, compiled from source; an empty fragment text gives a program without a fragment stage.
+// A linked program, compiled from source. `defines` become `#define` lines after `#version 450 core`. An
+// empty fragment text gives a program without a fragment stage.
 Result<GlProgram> compileProgram(const ShaderText& vertex, const ShaderText& fragment,
                                  std::span<const std::string> defines, std::string_view label);
 

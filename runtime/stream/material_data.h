@@ -1,4 +1,4 @@
-// The material's uniform block from its description: conversion only, no GL.
+// The uniform block of a material's shader, computed from the material's description. Only conversion: no GL.
 #pragma once
 
 #include <array>
@@ -10,38 +10,41 @@
 
 namespace loden::runtime {
 
-// What the shader must be built for. kPaper where only a stored VDIM exists, kNone where nothing is read at
-// p. kLimit if the material has more bands or quads than the shaders take, or mixes table layouts.
-// `visibility` as MaterialSystemOptions has it.
+// The shader variant that a material needs. The lookup is kPaper where only a stored VDIM exists, and kNone
+// where nothing is read at p. `visibility` is as in MaterialSystemOptions. Issues: kLimit if the material has
+// more bands or quads than the shaders take, or mixes table layouts.
 Result<MaterialVariant> materialVariant(const Material& material, Lookup lookup,
                                         Visibility visibility = Visibility::kDefault);
 
-// The whole block but for what applyResidency writes. Texel data is not looked at.
+// The uniform block, except for what applyResidency writes. Texel data is not read.
 LodenMaterialData makeMaterialData(const Material& material);
 
-// Which parts are on the GPU, as far as the shader must know.
+// Which parts of a material are on the GPU, as far as the shader must know.
 struct ResidentState {
-  float lambda = 0;           // published: detail below is not shown; may exceed lambda_max by coarsestFade
-  VdimAtlasSize atlas{0, 0};  // the one to read; 0: no geometry image and atlas yet
-  uint32_t bands = 0;         // bit per band that is there, if only by its leading part
-  uint32_t leads = 0;         // bit per band that is there by its leading part alone
-  std::array<float, LODEN_MAX_BANDS> rest{};  // share of the other quads, of bands that are there whole
-  bool surface = false;                       // surface maps are there, if only their tail
-  bool tail = false;                          // of them the tail is read
+  // finest level to show (Residency::publishedLambda); may exceed lambda_max by coarsestFade
+  float lambda = 0;
+  VdimAtlasSize atlas{0, 0};  // the VDIM atlas to read; 0: geometry image and atlas are not there yet
+  uint32_t bands = 0;         // bit per band of which at least the leading part is there
+  uint32_t leads = 0;         // bit per band of which only the leading part is there
+  // per band that is there whole: the share, 0 to 1, at which quads after the leading part are shown
+  std::array<float, LODEN_MAX_BANDS> rest{};
+  bool surface = false;  // surface maps are there, at least their coarse mips (the tail)
+  bool tail = false;     // only the tail of the surface maps is read
   friend bool operator==(const ResidentState&, const ResidentState&) = default;
 };
-// The last level that bands or surface maps have.
+// The coarsest level of detail that bands or surface maps have.
 float coarsestLevel(const Material& material);
-// What is needed at every lambda fades in over these levels beyond coarsestLevel. Surface maps differ more
-// from the fitted mean, which knows of shadows, than a band does.
+// The number of levels beyond coarsestLevel over which the first part fades in. It is larger for surface maps
+// than for a band, since they differ more from the fitted mean, which includes shadows.
 float coarsestFade(const Material& material);
-// How far it has faded in, from 0 at a published coarsestLevel + coarsestFade to 1 at coarsestLevel.
+// How far the first part has faded in: from 0 at a published lambda of coarsestLevel + coarsestFade to 1 at
+// coarsestLevel.
 float coarsestShare(const Material& material, const ResidentState& state);
-// The finest lambda to show at a published one: below 1 it goes on to the level of near maps that are finer
-// than the reference texels.
+// The finest lambda to show, given the published one. Below a published lambda of 1 it continues to the level
+// of near maps that are finer than the reference texels.
 float shownLambda(const Material& material, float published);
-// Names the atlas, clamps lambda, closes the windows of absent bands, and fades those in that no window
-// would; reads what is there of bands and maps that are there in part, and fades the rest in.
+// Writes to the uniform block what depends on the resident parts: which atlas is read, the lowest lambda,
+// windows that close absent bands, and the shares of what fades in or is there in part only.
 void applyResidency(LodenMaterialData& data, const Material& material, const ResidentState& state);
 
 }  // namespace loden::runtime

@@ -18,30 +18,33 @@ namespace loden::runtime {
 
 enum class PartKind : uint8_t { kBand, kGeometry, kStoredVdim, kSurface };
 
-// A leading part is followed by the whole, of the same kind and band: of bands and surface maps as
-// material/model/leading_part.h has it; of the geometry the image with a small atlas, before the depths of
-// the full one.
+// One entry of a material's list of parts. Something that is stored in two pieces has two entries of the same
+// kind and band: first its leading part, later the whole. For bands and surface maps the leading part is that
+// of material/model/leading_part.h; for the geometry it is the image with a small atlas, and the second entry
+// is the depths of the full atlas.
 struct PartPlan {
   PartKind kind = PartKind::kBand;
-  int band = 0;         // of kBand: index in Material::bands
-  VdimAtlasSize atlas;  // of kGeometry
+  int band = 0;         // kBand only: index in Material::bands
+  VdimAtlasSize atlas;  // kGeometry only: the atlas to build
   PartDesc desc;
   Share share = Share::kWhole;
-  bool shadow = false;  // of kSurface: with the shadow map
+  bool shadow = false;  // kSurface only: load the shadow map too
 };
 
-// Above this lambda the first atlas is less than .3 texels of what is shown off, about what the full one is
-// at lambda 0.
+// Above this lambda the first (small) atlas is good enough: its error is below .3 texels of the level that is
+// shown, about the error of the full atlas at lambda 0.
 inline constexpr float kFirstAtlasLambda = 1;
 
-// Coarsest first, and what a part reads through before it: reference bands, then geometry, then flat bands.
-// Surface maps of a material without bands come before their geometry, or their leading part does; of one
-// with bands behind it. A leading part stands before the whole, has textures of its own, and is shown again
-// when the whole goes. Last the full atlas, if it is larger than the first. Only what the variant reads.
+// The parts of a material in the order in which they are loaded, coarsest first. Only what the variant reads
+// is listed. A part that others are read through comes before them: reference bands first, then geometry,
+// then flat bands. Surface maps of a material without bands, or their leading part, come before the geometry;
+// those of a material with bands come after it. A leading part comes before the whole, has textures of its
+// own, and is shown again when the whole is evicted. The full atlas comes last, if it is larger than the
+// first one.
 std::vector<PartPlan> planParts(const Material& skeleton, const MaterialVariant& variant,
                                 VdimAtlasSize full_atlas);
 
-// kLimit if a texture of one of the parts is larger than the driver takes.
+// Checks the sizes of the parts' textures. Issues: kLimit if one is larger than the driver takes.
 Status checkExtents(const Material& skeleton, std::span<const PartPlan> parts, const Capabilities& gl);
 
 // How a texture is sampled when its unit is bound.
@@ -54,23 +57,25 @@ enum class Sampling : uint8_t {
 };
 
 struct PartTexture {
-  int unit = 0;  // of shaders/loden_shared.h
+  int unit = 0;  // texture unit (LODEN_UNIT_* of shaders/loden_shared.h)
   Sampling sampling = Sampling::kRepeatTrilinear;
-  bool plain_2d =
-      false;  // a geometry image: GL_TEXTURE_2D of R32UI or R16 (shaders/loden_interface.glsl) and no array
+  // true for a geometry image, which is a GL_TEXTURE_2D of R32UI or R16 (shaders/loden_interface.glsl);
+  // false: an array
+  bool plain_2d = false;
   const char* label = "";
   Texture texels;
 };
 
 struct LoadedPart {
   std::vector<PartTexture> textures;
-  // What a leading part was made of, kept until the whole is asked for: reading it again would cost more than
-  // the memory does for the while.
+  // The material that a leading part was made of. It is kept in memory until the whole is requested, so that
+  // it need not be read again.
   std::shared_ptr<const Material> lead;
 };
 
-// Reads, checks and decompresses; builds VDIM atlases. Of a whole `lead` is not read again; null: all is
-// read. After a stop an atlas comes back before it is whole. For the loading threads.
+// The textures of one part: reads, checks and decompresses it, and builds the VDIM atlas if it is one.
+// `lead`: what LoadedPart::lead of the leading part held, so that only the rest is read; null: everything is
+// read. After a stop request an atlas is returned unfinished. Called on the loading threads.
 Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const Material* lead, int threads,
                             const std::stop_token& stop = {});
 

@@ -1,9 +1,10 @@
-// Which parts of which materials are on the GPU: policy only, no GL, no files, no threads.
+// Residency: decides which parts of which materials are on the GPU. Policy only: no GL, no files, no threads.
 //
-// A material is a list of parts, coarsest first, that arrive in that order. Each frame: demand() for what is
-// visible, then advance(), whose actions the caller carries out, reporting back with arrived() or failed().
-// Parts count against the budget from the request on, so the budget holds on every frame. A frame's work
-// grows with the materials that are seen, under way or about to be released, not with all of them.
+// A material is a list of parts, coarsest first, that are loaded in that order. In each frame call demand()
+// for every visible material, then advance(), carry out the actions that it returns, and report back with
+// arrived() or failed(). A part counts against the budget from its request on, so that the budget holds in
+// every frame. The work per frame grows with the number of materials that are visible, loading or about to be
+// released, not with the number of all materials.
 #pragma once
 
 #include <cstddef>
@@ -15,32 +16,39 @@ namespace loden::runtime {
 
 struct ResidencyOptions {
   uint64_t budget_bytes = 64u << 20;
-  // Leading parts up to this many bytes stay resident, visible or not; of what is not visible, as many as
-  // this share of the budget holds.
+  // The floor of a material is its leading parts of up to floor_bytes together. Floors stay resident whether
+  // visible or not; those of materials that are not visible may take up to unseen_floor_share of the budget.
   uint64_t floor_bytes = 64u << 10;
   float unseen_floor_share = 0.25f;
-  float fade_levels_per_second = 4;         // of detail that arrives in view
-  float fade_levels_per_frame = 1.0f / 15;  // at most, however long a frame takes
-  int hysteresis_frames = 8;                // a part that is no longer wanted stays this many frames
-  float hysteresis_lambda = 0.5f;           // head start of what is resident over what is not, levels
-  float release_seconds = 3;                // what nobody has wanted for longer goes even where there is room
-  int max_loading = 8;                      // parts asked for at once
+  // How fast detail that arrives in view fades in: levels of detail per second.
+  float fade_levels_per_second = 4;
+  // The most levels of detail that fade in during one frame, however long the frame takes.
+  float fade_levels_per_frame = 1.0f / 15;
+  // A part stays resident for this many frames after it was last wanted.
+  int hysteresis_frames = 8;
+  // The advantage, in levels of detail, of a resident part over one that is not when both compete for room.
+  float hysteresis_lambda = 0.5f;
+  // A part that has not been wanted for longer than this is evicted even if there is room for it, in seconds.
+  float release_seconds = 3;
+  // The most parts that are loading at a time.
+  int max_loading = 8;
 };
 
 struct PartDesc {
-  uint64_t bytes = 0;    // of GPU memory
-  float lambda_end = 0;  // the part is needed where lambda is below
-  // It only replaces an earlier part by a better one: detail is shown without it, and nothing reads through
-  // it. It is asked for when what stands before it is there, one of all materials at a time, after all that
-  // does not refine.
+  uint64_t bytes = 0;    // size in GPU memory
+  float lambda_end = 0;  // the part is needed at levels of detail below this lambda
+  // The part only replaces an earlier part by a better one: detail is shown without it, and nothing is read
+  // through it. It is requested once all parts before it in its list are resident, after all requests for
+  // parts that do not refine, and only one such part of all materials is loading at a time.
   bool refines = false;
-  // It takes over from an earlier part: asked for when what stands before it is there.
+  // The part takes over from an earlier part; it is requested once all parts before it in its list are
+  // resident.
   bool takes_over = false;
 };
 
 struct PartRef {
-  uint32_t slot = 0;  // of the material
-  uint32_t part = 0;  // index into its list
+  uint32_t slot = 0;  // the material, as add() returned it
+  uint32_t part = 0;  // index into the material's list of parts
   friend bool operator==(PartRef, PartRef) = default;
 };
 
@@ -48,35 +56,38 @@ class Residency {
  public:
   explicit Residency(const ResidencyOptions& options) : options_(options) {}
 
-  // Slots are reused after remove(). The one call that allocates, for all that follow: where it throws,
-  // nothing has changed.
+  // Adds a material and returns its slot. Slots are reused after remove(). This is the only call that
+  // allocates, also on behalf of all later calls; if it throws, nothing has changed.
   uint32_t add(std::vector<PartDesc> parts);
   // Forgets the material; its bytes are free at once.
   void remove(uint32_t slot);
   void setBudget(uint64_t bytes);
 
-  // This frame something visible asks for the material at `lambda`; the smallest of several counts.
+  // Says that in this frame something visible needs the material at `lambda`; of several calls the smallest
+  // lambda counts.
   void demand(uint32_t slot, float lambda);
 
-  // What to do now, evictions first. Evicting a part that is still loading means to drop it on arrival.
+  // The actions of this frame; carry out evictions first. A part that is evicted while it is loading must be
+  // dropped when it arrives.
   struct Actions {
     std::vector<PartRef> evict, load;
   };
   const Actions& advance(float seconds);
 
-  // A part asked for is on the GPU, or will never be: then nothing finer of the material is asked for.
+  // Reports that a requested part is now on the GPU (arrived) or never will be (failed); after a failure
+  // nothing finer of the material is requested.
   void arrived(PartRef part);
   void failed(PartRef part);
-  // Everything is absent again, failed parts excepted: after a lost context.
+  // Marks every part as absent, except for failed parts: for use after a lost context.
   void dropAll();
-  // Shows what is resident without a fade.
+  // Ends all fades, so that everything that is resident is shown in full.
   void endFades();
 
-  // Detail below this is not to be shown: what is resident, faded in where it arrived in view. lambda_end of
-  // the first part at most.
+  // The finest level of detail to show: that of the resident parts, faded in if they arrived in view. At most
+  // lambda_end of the first part.
   float publishedLambda(uint32_t slot) const { return materials_[slot].published; }
-  // How far a part that refines has taken the place of what it replaces: 0 where it is not resident, rising
-  // to 1 where it arrived in view, by as much as lambda would change.
+  // How far, 0 to 1, a refining part has replaced the earlier one: 0 while it is not resident. If it arrives
+  // in view, it rises to 1 at the rate at which lambda fades.
   float shownShare(PartRef part) const { return materials_[part.slot].parts[part.part].share; }
   bool resident(PartRef part) const {
     return materials_[part.slot].parts[part.part].state == State::kResident;
@@ -84,10 +95,10 @@ class Residency {
   uint64_t committedBytes() const { return committed_; }
   int residentParts() const { return resident_parts_; }
   int loadingParts() const { return loading_; }
-  // Nothing is under way, and nothing can be asked for.
+  // True if nothing is loading and nothing more can be requested.
   bool settled() const { return settled_ && loading_ == 0; }
-  // Slots that the last advance() looked at; no other's state or published lambda has changed since the one
-  // before.
+  // The slots that the last advance() visited; state and published lambda of all other slots are as they were
+  // before that call.
   std::span<const uint32_t> active() const { return active_; }
 
  private:
@@ -96,27 +107,29 @@ class Residency {
     PartDesc desc;
     State state = State::kAbsent;
     float share = 0;            // shownShare
-    bool targeted = false;      // in this frame's target set
-    int64_t last_wanted = -1;   // frame
+    bool targeted = false;      // this frame's targets include the part
+    int64_t last_wanted = -1;   // frame number
     double last_wanted_at = 0;  // seconds
   };
   struct Material {
     bool alive = false;
     bool active = false;  // listed in active_
-    bool at_rest =
-        false;  // nothing of it will change until it is demanded or the budget has room for more floors
+    // Nothing about the material changes until it is demanded or the budget has room for more floors.
+    bool at_rest = false;
     std::vector<Part> parts;
     uint32_t floor_parts = 0;
-    uint32_t wanted_parts = 0;  // leading ones, this frame
+    uint32_t wanted_parts = 0;  // how many parts from the front are wanted in this frame
     float demanded = 0;
     int64_t demanded_frame = -1;
     float published = 0;
   };
   struct Candidate {
     PartRef ref;
-    int rank_class;  // lower comes first: floors, detail, refinements, floors of what is not seen, which have
-                     // their own share
-    float rank;  // higher comes first: by how many levels the material is shown too coarse without the part
+    // Lower comes first: floors of visible materials, then detail, then refinements, then floors of materials
+    // that are not visible, which have a share of the budget of their own.
+    int rank_class;
+    // Higher comes first: by how many levels the material is shown too coarse without the part.
+    float rank;
   };
 
   Part& at(PartRef ref) { return materials_[ref.slot].parts[ref.part]; }
@@ -144,18 +157,19 @@ class Residency {
 
   ResidencyOptions options_;
   std::vector<Material> materials_;
-  size_t parts_ = 0;  // of all materials
+  size_t parts_ = 0;  // number of parts of all materials
   std::vector<uint32_t> free_slots_;
   std::vector<uint32_t> active_;
   bool activate_all_ = false;
   std::vector<Candidate> candidates_;
-  std::vector<PartRef> victims_;  // resident, not targeted, least recently wanted first
+  std::vector<PartRef> victims_;  // resident parts that are not targets, least recently wanted first
   size_t next_victim_ = 0;
   Actions actions_;
   uint64_t committed_ = 0, target_bytes_ = 0;
-  uint64_t resting_bytes_ = 0;                           // resident, of materials that are not active
-  uint64_t unseen_floor_bytes_ = 0;                      // of this frame's targets
-  int loading_ = 0, refining_ = 0, resident_parts_ = 0;  // refining_: of those loading
+  uint64_t resting_bytes_ = 0;       // resident bytes of materials that are not active
+  uint64_t unseen_floor_bytes_ = 0;  // bytes of unseen floors among this frame's targets
+  // refining_: how many of the loading parts are refinements.
+  int loading_ = 0, refining_ = 0, resident_parts_ = 0;
   int64_t frame_ = 0;
   double now_ = 0;  // seconds
   bool settled_ = true;

@@ -1,5 +1,5 @@
-// The loading threads: read parts of assets and build atlases while frames go on. Private to the runtime; no
-// GL.
+// The loading threads, which read parts of assets and build atlases while frames are drawn. Private to the
+// runtime; no GL.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace loden::runtime {
 
-// Counts the bytes read through it.
+// A ByteSource that counts the bytes read through it.
 class CountingSource final : public ByteSource {
  public:
   CountingSource(std::shared_ptr<const ByteSource> source, std::atomic<uint64_t>& count)
@@ -34,21 +34,23 @@ class CountingSource final : public ByteSource {
   std::atomic<uint64_t>* count_;
 };
 
-// One part asked for. The serial tells this request from earlier ones for the same part.
+// The identity of one request for a part. The serial tells it from earlier requests for the same part.
 struct PartTicket {
   PartRef ref;
   uint64_t serial = 0;
 };
 
-// Two threads: one for what detail waits for, one for what only refines, so that a long build keeps nothing
-// waiting. Both run at a lower priority than the thread that makes them, where the system lets them.
+// Two loading threads: one for parts that detail waits for and one for parts that only refine, so that a long
+// atlas build delays nothing else. Both run at a lower priority than the thread that creates them, if the
+// system allows that.
 class LoadingThreads {
  public:
   struct Request {
     PartTicket ticket;
     std::shared_ptr<const AssetFile> file;
     PartPlan plan;
-    std::shared_ptr<const Material> lead;  // of the whole's; null: read again
+    // LoadedPart::lead of the leading part, if `plan` is the whole; null: it is read again
+    std::shared_ptr<const Material> lead;
     int atlas_threads = 1;
   };
   struct Delivery {
@@ -57,29 +59,31 @@ class LoadingThreads {
   };
 
   LoadingThreads();
-  ~LoadingThreads();  // drops what is not done; what is in hand ends soon
+  // discards all requests; a request that is being worked on is stopped and waited for
+  ~LoadingThreads();
 
-  // Requests of one kind are served in order.
+  // Queues a request. Requests of one thread are served in order.
   void request(Request request);
-  // Drops it, begun or not; it is not delivered from now on unless it has been.
+  // Discards the request for this part, even if work on it has begun. It is not delivered afterwards, unless
+  // it already has been.
   void cancel(PartRef ref);
-  // What has been delivered since the last call; never waits.
+  // The deliveries since the last call. Never waits.
   std::vector<Delivery> take();
-  // Blocks until a delivery is there or nothing is under way.
+  // Blocks until there is a delivery or no request is left.
   void wait();
 
  private:
   struct Lane {
     std::deque<Request> requests;
     std::optional<PartRef> in_hand;
-    std::stop_source stop;  // of it
+    std::stop_source stop;  // for the request in hand
     std::thread thread;
   };
   void run(Lane& lane, int nicer);
 
   std::mutex mutex_;
   std::condition_variable wake_threads_, wake_owner_;
-  std::array<Lane, 2> lanes_;  // index: whether the part refines
+  std::array<Lane, 2> lanes_;  // [0]: parts that detail waits for, [1]: parts that refine
   std::vector<Delivery> deliveries_;
   bool stop_ = false;
 };

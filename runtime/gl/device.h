@@ -1,5 +1,6 @@
-// A GL 4.5 core context: headless (EGL, no display server) or in a window (GLFW). Everything the runtime
-// draws with hangs on a Device; there is no global state, and one process may hold several.
+// Device: a GL 4.5 core context, headless (EGL, no display server), in a window (GLFW), or the engine's own.
+// Everything that the runtime draws with belongs to a Device. There is no global state, and one process may
+// have several devices.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +17,27 @@ namespace loden::runtime {
 enum class DeviceKind {
   kHeadless,
   kWindow,
-  kCurrent,  // the engine's own context: current on the thread that calls create() and everything that draws
+  // The engine's own context, which must be current on the thread that calls create() and in everything that
+  // draws.
+  kCurrent,
 };
 
 struct DeviceOptions {
   DeviceKind kind = DeviceKind::kHeadless;
-  glm::ivec2 size{800, 600};  // of the window, pixels
+  glm::ivec2 size{800, 600};  // size of the window, pixels
   std::string title = "Loden";
   bool vsync = true;
-  bool debug = false;  // a debug context, slower: driver messages of low severity and above go to `log`. Not
-                       // of kCurrent
-  LogCallback log;     // may be empty
+  // Creates a debug context, which is slower and reports driver messages of low severity and above to `log`.
+  // Ignored for kCurrent.
+  bool debug = false;
+  LogCallback log;  // receives messages; may be empty
 };
 
-// What the driver offers, measured against what the runtime needs.
+// What the driver offers, and what it lacks of what the runtime needs.
 struct Capabilities {
   std::string vendor, renderer, version, glsl_version;
-  bool software = false;  // rasterised on the CPU: block compression is slow, timer queries lie
+  // a software renderer: block compression is slow, and timer queries are not reliable
+  bool software = false;
   int max_texture_side = 0;
   int max_volume_side = 0;
   int max_array_layers = 0;
@@ -41,32 +46,34 @@ struct Capabilities {
   int program_binary_formats = 0;
   float max_anisotropy = 1;
   std::vector<std::string>
-      missing;  // what the runtime needs and this driver lacks, in words; empty if usable
+      missing;  // what the runtime needs and this driver lacks, in words; empty if the driver is usable
 };
 
 class Device {
  public:
-  // The context is current on the calling thread afterwards. Issues: kGlContext.
+  // A device of the given kind, whose context is current on the calling thread afterwards. Issues:
+  // kGlContext.
   static Result<std::unique_ptr<Device>> create(const DeviceOptions& options);
   virtual ~Device() = default;
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  // Nothing for kCurrent, whose context the engine moves about.
+  // Makes the context current on the calling thread, or releases it. Does nothing for kCurrent, whose context
+  // the engine manages.
   virtual void makeCurrent() = 0;
   virtual void releaseCurrent() = 0;
-  // Shows the frame in a window; nothing when headless.
+  // Shows the frame in a window; does nothing when headless.
   virtual void swap() = 0;
-  // Pixels of the window's framebuffer; the size asked for when headless.
+  // Size of the window's framebuffer in pixels, or the size asked for when headless.
   virtual glm::ivec2 size() const = 0;
   virtual bool closeRequested() const { return false; }
   virtual void pollEvents() {}
-  // GLFWwindow* for input and user interface; null when headless.
+  // The GLFWwindow*, for input and user interface; null when headless.
   virtual void* nativeWindow() const { return nullptr; }
 
-  // Drops the context with every object in it and makes a new one, as after a lost device. Owners of GL
-  // objects must forget their names first (GlObject::release). kCurrent: the engine has made a new one
-  // current.
+  // Destroys the context with every object in it and creates a new one, as after a lost device. Owners of GL
+  // objects must forget their names first (GlObject::release). For kCurrent the engine must have made a new
+  // context current.
   virtual Status recreate() = 0;
 
   DeviceKind kind() const { return options_.kind; }
@@ -77,8 +84,8 @@ class Device {
 
  protected:
   explicit Device(const DeviceOptions& options) : options_(options) {}
-  // Called with a new current context: reads capabilities_, installs the debug callback; fails if the context
-  // is not usable.
+  // Reads capabilities_ and installs the debug callback; called when a new context is current. Fails if the
+  // context is not usable.
   Status adoptContext();
 
   DeviceOptions options_;

@@ -1,4 +1,4 @@
-// Private to the runtime: the two makers of devices.
+// Private to the runtime: the two functions that create devices.
 #pragma once
 
 #include "runtime/gl/device.h"
@@ -6,7 +6,7 @@
 namespace loden::runtime {
 
 Result<std::unique_ptr<Device>> createEglDevice(const DeviceOptions& options);
-// kGlContext where the library is built without GLFW.
+// A device in a window. Issues: kGlContext, also if the library was built without GLFW.
 Result<std::unique_ptr<Device>> createGlfwDevice(const DeviceOptions& options);
 
 }  // namespace loden::runtime

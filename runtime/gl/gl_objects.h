@@ -1,5 +1,6 @@
-// Owners of GL names: move-only, empty when moved from, labelled. Creation, use and destruction need the
-// context of the object's device current. GL enumerants travel as uint32_t, so that no header needs GL's.
+// Owners of GL object names: move-only, empty after a move, labelled for debuggers. The context of the
+// object's device must be current when it is created, used and destroyed. GL enumerants are passed as
+// uint32_t, so that no header needs GL's.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +37,7 @@ class GlObject {
   void reset() {
     if (name_ != 0) detail::deleteGlName(kKind, release());
   }
-  // Forgets the name without deleting it: for a context that is gone.
+  // Returns the name and forgets it without deleting it: for a context that is gone.
   uint32_t release() { return std::exchange(name_, 0); }
 
  private:
@@ -49,17 +50,18 @@ using GlFramebuffer = GlObject<GlKind::kFramebuffer>;
 using GlProgram = GlObject<GlKind::kProgram>;
 using GlVertexArray = GlObject<GlKind::kVertexArray>;
 
-// What debuggers show for the object (KHR_debug).
+// Sets the label that debuggers show for the object (KHR_debug).
 void setGlLabel(GlKind kind, uint32_t name, std::string_view label);
 
-// A texture without storage; target as in glCreateTextures.
+// A texture without storage; `target` as in glCreateTextures.
 GlTexture makeTexture(uint32_t target, std::string_view label);
-// Immutable storage; flags as in glNamedBufferStorage. Data must hold the whole buffer, or be empty.
+// A buffer with immutable storage; `flags` as in glNamedBufferStorage. `data` must hold the whole buffer, or
+// be empty.
 GlBuffer makeBuffer(size_t bytes, std::span<const std::byte> data, uint32_t flags, std::string_view label);
 GlFramebuffer makeFramebuffer(std::string_view label);
 GlVertexArray makeVertexArray(std::string_view label);
 
-// A named group in debuggers' call lists, for one pass.
+// A named group in debuggers' call lists, for the lifetime of this object; one per pass.
 class GlDebugGroup {
  public:
   explicit GlDebugGroup(std::string_view name);

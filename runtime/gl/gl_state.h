@@ -1,4 +1,4 @@
-// Saves GL state and puts it back: what makes a public call leave the context as it was found.
+// Saves GL state and restores it, so that a public call leaves the context as it found it.
 #pragma once
 
 #include <array>
@@ -9,7 +9,8 @@
 
 namespace loden::runtime {
 
-// Pixel transfer state and buffer: what uploads and read-backs touch. Set to tight rows while it lives.
+// Saves and restores pixel transfer state and the pixel buffers, which uploads and read-backs change. While
+// it lives, rows are tightly packed.
 class GlPixelStateScope {
  public:
   GlPixelStateScope();
@@ -22,10 +23,10 @@ class GlPixelStateScope {
   int32_t pack_buffer_ = 0, unpack_buffer_ = 0;
 };
 
-// All the state that drawing a frame sets, and no other: framebuffers, program, vertex array, buffers,
-// textures and samplers of the first `units` units, switches, clip control, depth, culling, polygon, clears;
-// of what is kept per draw buffer or viewport (blending, colour mask, scissor test, viewport, depth range)
-// the first alone, and nothing may set the others.
+// Saves and restores all the state that drawing a frame sets, and no other: framebuffers, program, vertex
+// array, buffers, textures and samplers of the first `units` units, enabled capabilities, clip control,
+// depth, culling, polygon and clear state. Of state that exists per draw buffer or viewport (blending, colour
+// mask, scissor test, viewport, depth range) only the first is saved, and the frame must not set the others.
 class GlDrawStateScope {
  public:
   explicit GlDrawStateScope(int units, int uniform_bindings);
@@ -35,7 +36,7 @@ class GlDrawStateScope {
 
  private:
   struct Unit {
-    std::array<int32_t, 4> textures{};  // per target of kTargets
+    std::array<int32_t, 4> textures{};  // one per target of kTargets
     int32_t sampler = 0;
   };
   struct UniformBinding {
@@ -56,8 +57,8 @@ class GlDrawStateScope {
   std::array<float, 4> viewport_{}, clear_color_{};
   std::array<double, 2> depth_range_{};
   double clear_depth_ = 1;
-  std::array<int32_t, 2> blend_equation_{};  // of colour and alpha
-  std::array<int32_t, 4> blend_func_{};      // source and destination, of colour and alpha
+  std::array<int32_t, 2> blend_equation_{};  // for colour and alpha
+  std::array<int32_t, 4> blend_func_{};      // source and destination, for colour and alpha
   int32_t depth_func_ = 0, cull_face_ = 0, front_face_ = 0, polygon_mode_ = 0;
   uint8_t depth_mask_ = 1;
   std::array<float, 2> polygon_offset_{};

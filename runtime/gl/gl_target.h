@@ -1,4 +1,4 @@
-// An offscreen framebuffer with one colour and one depth attachment, and the way back to the CPU.
+// An offscreen framebuffer with one colour and one depth attachment, and reading it back to the CPU.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,7 +12,7 @@
 namespace loden::runtime {
 
 enum class ColorFormat {
-  kSrgb8,     // RGBA8 sRGB: what a window shows
+  kSrgb8,     // RGBA8 sRGB, as a window shows it
   kLinear16,  // RGBA16F
   kLinear32,  // RGBA32F: for measuring
 };
@@ -24,22 +24,25 @@ struct RenderTarget {
   GlTexture depth;  // 32-bit float
   GlFramebuffer framebuffer;
 };
-// Issues: kMemory, for sizes that the driver cannot.
+// A render target of this size. Issues: kMemory for sizes that the driver cannot do.
 Result<RenderTarget> makeRenderTarget(glm::ivec2 size, ColorFormat format, std::string_view label);
 
-// A target of kSrgb8 that holds these RGBA8 codes, [height][width], first row at the top. Issues: kMemory.
+// A render target of format kSrgb8 that holds these RGBA8 codes, [height][width] with the first row at the
+// top. Issues: kMemory.
 Result<RenderTarget> makePicture(std::span<const glm::u8vec4> codes, glm::ivec2 size, std::string_view label);
 
-// RGBA as the texture decodes, [height][width], first row at the bottom; waits for the GPU. sRGB targets give
-// linear values.
+// The colour as the texture decodes it, RGBA [height][width] with the first row at the bottom; linear values
+// for sRGB targets. Waits for the GPU.
 std::vector<glm::vec4> readLinear(const RenderTarget& target);
-// RGBA8 codes as stored, [height][width], first row at the top (as image files have it); kSrgb8 only.
+// The RGBA8 codes as stored, [height][width] with the first row at the top, as in image files; for kSrgb8
+// only.
 std::vector<glm::u8vec4> readCodes(const RenderTarget& target);
 
-// Copies the whole picture into a rectangle of another, [from, to) in pixels from the bottom left, linearly
-// scaled. Framebuffer 0 is the window; both must be sRGB, or both linear.
+// Copies the whole picture, scaled linearly, into a rectangle of another framebuffer, [from, to) in pixels
+// from the bottom left. Framebuffer 0 is the window. Both must be sRGB, or both linear.
 void copyPicture(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to);
-// Copies a rectangle of the picture to the same place of another, otherwise as copyPicture.
+// Copies a rectangle of the picture, without scaling, to the same place of another framebuffer; arguments as
+// for copyPicture.
 void copyRectangle(const RenderTarget& picture, uint32_t framebuffer, glm::ivec2 from, glm::ivec2 to);
 
 }  // namespace loden::runtime

@@ -1,4 +1,4 @@
-// Where the runtime's messages go: it never prints.
+// The callback for the runtime's messages; the runtime never prints.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 
 namespace loden::runtime {
 
-// Called on the thread on which the message arises, which for driver messages is the thread of the GL call.
+// Receives a message, on the thread on which it arises; driver messages arise on the thread of the GL call.
 using LogCallback = std::function<void(const Issue&)>;
 
 }  // namespace loden::runtime

@@ -1,5 +1,5 @@
-// Linked programs as driver binaries on disk. A file is used only if its header, driver and checksum fit and
-// the driver takes it; anything else counts as absent.
+// A cache of linked programs on disk, as driver binaries. A file is used only if its header, driver and
+// checksum match and the driver accepts it; otherwise it counts as absent.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ class ProgramCache {
   // An empty folder, or a driver without binaries, makes a cache that holds nothing.
   ProgramCache(const Device& device, std::filesystem::path folder);
 
-  // Of everything that decides the binary: driver and all shader texts.
+  // The cache key: a hash of everything that decides the binary, which is the driver and all shader texts.
   uint64_t key(std::string_view vertex, std::string_view fragment) const;
-  // Empty if there is none.
+  // The cached program; empty if there is none.
   GlProgram load(uint64_t key) const;
-  // Failing to write is no error: the program is compiled again next time.
+  // Writes the program to disk. A failure to write is no error: the program is compiled again next time.
   void store(uint64_t key, const GlProgram& program) const;
 
  private:

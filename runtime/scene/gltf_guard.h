@@ -1,4 +1,4 @@
-// What stands between an untrusted glTF file and the JSON parser, beside material/base/json_depth.h and
+// Checks on an untrusted glTF file before the JSON parser sees it. See also material/base/json_depth.h and
 // material/system/confined_path.h.
 #pragma once
 
@@ -14,10 +14,10 @@
 
 namespace loden::runtime {
 
-inline constexpr uint64_t kMaxGltfBytes = uint64_t(1) << 30;  // of any one file
+inline constexpr uint64_t kMaxGltfBytes = uint64_t(1) << 30;  // the largest file that is read
 
-// The JSON text of a .gltf (all of it) or a .glb (its first chunk); kGltfParse if the .glb header is damaged.
-// Points into `bytes`.
+// The JSON text of a .gltf (all of it) or a .glb (its first chunk), as a view into `bytes`. Issues:
+// kGltfParse if the .glb header is damaged.
 Result<std::string_view> gltfJson(std::span<const std::byte> bytes, const std::string& name);
 
 // All bytes of a regular file of at most kMaxGltfBytes.

@@ -1,4 +1,5 @@
-// Private to the glTF loader: what its parts share. The only header of the runtime that names tinygltf.
+// Private to the glTF loader: what its source files share. The only header of the runtime that includes
+// tinygltf.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// The packaged library decodes no image for us, and needs no stb here.
+// tinygltf without its image decoder: images are decoded by runtime/scene/image_decode.h.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE
@@ -23,23 +24,26 @@ namespace loden::runtime::gltf {
 // A parsed document and the scene under construction.
 struct Reader {
   const tinygltf::Model& model;
-  std::filesystem::path folder;  // of the file
-  std::string file;              // for messages
+  std::filesystem::path folder;  // the folder of the file
+  std::string file;              // the file's name, for messages
   Scene scene = {};
-  std::optional<int> variant = {};  // of the materials, that is shown
-  // Scene meshes of each glTF mesh, with their materials.
+  std::optional<int> variant = {};  // index of the KHR_materials_variants variant that is shown
+  // One primitive: its scene mesh, and its material.
   struct Part {
     int mesh = 0, material = -1;
   };
+  // The primitives of each glTF mesh.
   std::vector<std::vector<Part>> parts = {};
   struct DecodedView {
     std::vector<unsigned char> data;
     uint64_t stride = 0;
   };
-  std::map<int, DecodedView> decoded_views = {};  // of EXT_meshopt_compression, by buffer view
-  size_t vertices = 0;                            // of all meshes so far
-  std::vector<int> nodes = {};     // glTF node to index into Scene::nodes; -1 if it is not part of the scene
-  std::map<int, int> images = {};  // glTF image to index into Scene::images; -1 if it cannot be drawn
+  // decompressed buffer views of EXT_meshopt_compression, by buffer view
+  std::map<int, DecodedView> decoded_views = {};
+  size_t vertices = 0;  // vertices of all meshes read so far
+  // per glTF node its index in Scene::nodes; -1 if it is not part of the scene
+  std::vector<int> nodes = {};
+  std::map<int, int> images = {};  // per glTF image its index in Scene::images; -1 if it cannot be drawn
 
   Issue issue(int id, const std::string& place, std::string text) const {
     return {id, Severity::kError, file + ": " + place, std::move(text)};
@@ -53,15 +57,16 @@ inline std::string at(const std::string& array, size_t index) {
   return array + "[" + std::to_string(index) + "]";
 }
 
-// The bytes of a buffer view, checked in 64 bit.
+// The bytes of a buffer view, whose range has been checked in 64-bit arithmetic.
 struct View {
   const unsigned char* data = nullptr;
   uint64_t size = 0;
-  uint64_t stride = 0;  // 0: packed
+  uint64_t stride = 0;  // bytes between elements; 0: tightly packed
 };
 Result<View> readView(const Reader& reader, int view, const std::string& place);
 
-// The issues of what is read through an accessor; the defaults are those of a mesh's attributes.
+// The issue numbers to report for data read through an accessor. The defaults are those of a mesh's
+// attributes.
 struct AccessorIssues {
   int missing = issue_id::kAttributeAccessor, components = issue_id::kAttributeComponents,
       finite = issue_id::kAttributeFinite, integers = issue_id::kAttributeIntegers;
@@ -71,46 +76,48 @@ struct AccessorIssues {
   }
 };
 
-// `components` (1..4, or 16) floats per element, of a float or normalised integer accessor; every value
-// finite.
+// The accessor's values: `components` (1..4, or 16) floats per element, from a float or normalised integer
+// accessor. Every value is finite.
 Result<std::vector<float>> readFloats(const Reader& reader, int accessor, int components,
                                       const std::string& place, const AccessorIssues& ids = {});
-// Components per element; 0 if there is no such accessor.
+// The accessor's number of components per element; 0 if there is no such accessor.
 int componentsOf(const Reader& reader, int accessor);
-// Unsigned integers of a scalar accessor, each below `limit`.
+// The unsigned integers of a scalar accessor, each below `limit`.
 Result<std::vector<uint32_t>> readIndices(const Reader& reader, int accessor, uint32_t limit,
                                           const std::string& place);
 
-// A texture as a material names it.
+// A texture reference of a glTF material.
 struct TextureReference {
-  int index = -1;  // of the document's textures; -1: none
+  int index = -1;  // index of the document's texture; -1: none
   int tex_coord = 0;
-  float scale = 1;  // of normal textures
+  float scale = 1;  // scale of a normal texture
   const tinygltf::Value* transform = nullptr;
 };
 const tinygltf::Value* transformOf(const tinygltf::ExtensionMap& extensions);
 TextureReference textureMember(const tinygltf::Value& object, const char* key);
-// Decodes the image if it is the first to ask. What cannot be drawn is noted, and none is used.
+// The texture as the renderer uses it. Its image is decoded on first use. If it cannot be drawn, a note is
+// added to the scene and no texture is used.
 TextureUse readTexture(Reader& reader, const TextureReference& reference, const std::string& place);
 
 // The primitive's material in the variant that is shown; -1: glTF's default material.
 int materialIndex(const Reader& reader, const tinygltf::Primitive& primitive);
 
-// The material's LODEN_materials_flat_btf, if it has one.
+// Reads the material's LODEN_materials_flat_btf extension into `binding`, if it has one.
 Status readFlatBtf(const Reader& reader, const tinygltf::Material& source, const std::string& place,
                    std::optional<FlatBtfBinding>& binding);
 
-// Parts of the document, in the order in which they depend on each other.
-Status readCompressedViews(Reader& reader);  // which readView then returns decompressed
+// Each of these reads one part of the document into reader.scene. Call them in this order, since later parts
+// refer to earlier ones.
+Status readCompressedViews(Reader& reader);  // readView returns these views decompressed
 Status readAssets(Reader& reader);
 Status readMaterials(Reader& reader);
 Status readMeshes(Reader& reader);
-Status readVariants(Reader& reader, const std::string& shown);  // by name; empty: none
-Status readNodes(Reader& reader);  // with the cameras and lights that hang on them
+Status readVariants(Reader& reader, const std::string& shown);  // selects a variant by name; empty: none
+Status readNodes(Reader& reader);                               // reads cameras and lights too
 Status readSkins(Reader& reader);
 Status readAnimations(Reader& reader);
 
-// Members of extension and extras objects; nothing if absent or of another type.
+// The member of an extension or extras object; nothing if it is absent or of another type.
 std::optional<double> numberMember(const tinygltf::Value& object, const char* key);
 std::optional<int> indexMember(const tinygltf::Value& object, const char* key);
 std::string stringMember(const tinygltf::Value& object, const char* key);

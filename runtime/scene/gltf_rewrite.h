@@ -1,4 +1,4 @@
-// Valid files that the JSON parser's library refuses, rewritten so that it does not.
+// Rewrites valid glTF files that tinygltf would refuse.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace loden::runtime {
 
-// The file without the bytes that EXT_meshopt_compression leaves away: buffers that only say how large views
-// are once they are decompressed become small ones. Nothing if the file has none. `json` is its JSON text,
-// whose depth has been checked.
+// A copy of the file in which EXT_meshopt_compression's fallback buffers, which have no bytes and only state
+// how large the decompressed views are, are replaced by small buffers; empty if the file has none. `json` is
+// the file's JSON text, whose depth has been checked.
 std::vector<std::byte> withoutFallbackBuffers(std::span<const std::byte> file, std::string_view json);
 
 }  // namespace loden::runtime

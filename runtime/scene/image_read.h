@@ -1,4 +1,4 @@
-// Panoramas from files.
+// Reads panoramas from files.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace loden::runtime {
 
-// A lat-long panorama from a Radiance file (.hdr), which is untrusted input. Issues of openFileSource; kLimit
-// beyond 16384 x 8192 pixels; kOption if it is no such file.
+// The lat-long panorama in a Radiance file (.hdr), which is untrusted input. Issues: those of openFileSource;
+// kLimit if it is larger than 16384 x 8192 pixels; kOption if it is not such a file.
 Result<Panorama> readPanorama(const std::filesystem::path& path);
 
 }  // namespace loden::runtime

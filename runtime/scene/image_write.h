@@ -1,4 +1,4 @@
-// Pictures to files.
+// Writes pictures to files.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace loden::runtime {
 
-// RGBA8 codes, sRGB, [height][width], first row at the top. The file appears whole or not at all.
-// kCannotWrite, kMemory.
+// Writes sRGB RGBA8 codes, [height][width] with the first row at the top, as a PNG file. The file appears
+// whole or not at all. Issues: kCannotWrite, kMemory.
 Status writePng(const std::filesystem::path& path, std::span<const glm::u8vec4> pixels, glm::ivec2 size);
 
 }  // namespace loden::runtime

@@ -8,11 +8,12 @@
 
 namespace loden::runtime {
 
-// uv = tile coordinates x; fine enough that silhouettes and normals are exact to a fraction of a pixel.
+// A mesh of the surface whose uv are the tile coordinates x. It is fine enough that silhouettes and normals
+// are exact to a fraction of a pixel.
 Mesh analyticMesh(const AnalyticSurface& surface);
 
-// The surface covered with one asset, and a sun of irradiance pi from `to_light` (unit, world): what `loden
-// trace` traces. z is up. `aspect` is the asset's.
+// A scene of the surface covered with one asset, and a sun of irradiance pi from `to_light` (unit, world),
+// which is the scene that `loden trace` traces. z is up. `aspect` is the asset's Material::aspect.
 Scene analyticScene(SurfaceKind kind, const std::filesystem::path& asset, const glm::vec3& to_light,
                     double aspect = 1);
 

@@ -1,4 +1,4 @@
-// Textures on the GPU from texel arrays, in bounded steps. Private to the runtime.
+// Uploads texel arrays to GPU textures in steps of bounded size. Private to the runtime.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace loden::runtime {
 
-// Immutable storage for the texture's extents, and its sampling parameters; no texels yet. Empty if the
-// driver has no memory for it.
+// A texture with immutable storage for the part's extents and with its sampling parameters, but without
+// texels yet. Empty if the driver has no memory for it.
 GlTexture allocateTexture(const PartTexture& part, std::string_view label);
 
-// One unsigned byte per texel, side x side, nearest: indices for usampler2D.
+// A usampler2D texture of indices: one unsigned byte per texel, side x side, nearest filter.
 GlTexture makeIndexTexture(std::span<const uint8_t> indices, int side, std::string_view label);
 
-// Copies texels to the GPU a few rows at a time. Pixel transfer state must be GL's tight rows
-// (GlPixelStateScope).
+// Copies texels to the GPU a few rows at a time. GL's pixel transfer state must be that of tightly packed
+// rows (GlPixelStateScope).
 class TextureUpload {
  public:
-  // Uploads at least one row, then whole rows or layers while `budget` bytes last, and lowers it by what was
-  // used: below 0 where a row takes more than there is. True when the texture is complete.
+  // Uploads at least one row, then whole rows or layers while `budget` bytes last, and subtracts what was
+  // used from `budget`, which may become negative. Returns true when the texture is complete.
   bool step(const PartTexture& part, uint32_t texture, int64_t& budget);
 
  private:

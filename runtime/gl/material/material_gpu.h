@@ -1,4 +1,4 @@
-// The GPU side of one material: its uniform block, the textures of its resident parts, and what stands in for
+// One material on the GPU: its uniform block, the textures of its resident parts, and small stand-ins for
 // those that are absent. Private to the runtime.
 #pragma once
 
@@ -15,15 +15,16 @@
 
 namespace loden::runtime {
 
-// Textures that all materials share: one texel of nothing per target, and nearest-direction images.
+// Textures that all materials share: one empty texel per texture target, and images of the nearest sampled
+// direction.
 class SharedTextures {
  public:
   void create();
   void contextLost();
-  // One name per unit, for units that hold no part.
+  // One GL name per texture unit: the textures to bind to units that hold no part.
   std::vector<uint32_t> emptyUnits(const MaterialVariant& variant) const;
-  // The image of nearestDirectionLookup, shared by those that ask for the same set while one of them keeps
-  // it.
+  // The texture of nearestDirectionLookup(set), shared by all that ask for the same set while one of them
+  // keeps it.
   std::shared_ptr<const GlTexture> nearestImage(const DirectionSet& set);
 
  private:
@@ -37,19 +38,19 @@ class MaterialGpu {
   MaterialGpu(const Material& material, const MaterialVariant& variant, const std::string& label,
               size_t parts);
 
-  // Makes block and stand-ins in the current context.
+  // Creates the uniform block and the stand-ins in the current context.
   void create(SharedTextures& shared);
   void contextLost();
 
-  // A part's textures, in the order of its LoadedPart; units are taken from there. Where two parts hold a
-  // unit, the later in the list is read.
+  // Sets a part's textures, in the order of LoadedPart::textures, which also gives their units. If two parts
+  // hold the same unit, the later one in the list is read.
   void setPart(size_t part, std::vector<GlTexture> textures, const LoadedPart& loaded);
   void dropPart(size_t part);
 
-  // Writes the block, and what stands in for surface maps, if the state differs from what they hold; whether
-  // it did.
+  // Writes the uniform block and the stand-ins for surface maps if the state differs from what they hold.
+  // Returns whether it did.
   bool publish(const ResidentState& state);
-  // Binds block and textures; samplers of these units are set to none.
+  // Binds the uniform block and the textures, and unbinds samplers from these units.
   void bind() const;
 
  private:
@@ -57,8 +58,9 @@ class MaterialGpu {
     std::vector<GlTexture> textures;
     std::vector<int> units;
   };
-  // One texel a layer in the place of a surface map. Maps have no window to come in by: the texel turns from
-  // the fitted mean into the map's average as they fade in, and then gives way to the map.
+  // One texel per layer in the place of a surface map. Surface maps have no window by which they could fade
+  // in. Therefore the texel turns from the fitted mean into the map's average while they fade in, and then is
+  // replaced by the map.
   struct StandIn {
     PartTexture texel;
     std::vector<glm::vec4> mean, average;  // per layer
@@ -77,9 +79,9 @@ class MaterialGpu {
   GlBuffer block_;
   std::vector<PartTextures> parts_;
   std::vector<StandIn> stand_ins_;
-  std::shared_ptr<const GlTexture> nearest_light_, nearest_view_;  // of tables of layout 0
+  std::shared_ptr<const GlTexture> nearest_light_, nearest_view_;  // for tables of TableLayout::kNearest
   bool stand_ins_shown_ = true;
-  std::vector<uint32_t> empty_, bound_;  // by unit, of unitsOf(variant_)
+  std::vector<uint32_t> empty_, bound_;  // by texture unit; unitsOf(variant_) of them
 };
 
 }  // namespace loden::runtime

@@ -1,5 +1,5 @@
-// Materials on the GPU: opens assets, streams their parts in and out under a byte budget, and binds them for
-// shaders/loden_material.glsl. One call sequence per frame:
+// The material system: opens assets, streams their parts to the GPU and evicts them under a byte budget, and
+// binds them for shaders/loden_material.glsl. The calls of one frame are
 //   demand() for each visible material, update(), then bind() before its draws.
 #pragma once
 
@@ -18,7 +18,8 @@
 
 namespace loden::runtime {
 
-// Index and generation: stays invalid after unload, until a slot has been used 4096 times. 0 is no material.
+// The name of a loaded material (index and generation); 0 is no material. After unload() it stays invalid
+// until its slot has been reused 4096 times.
 struct MaterialId {
   uint32_t value = 0;
   explicit operator bool() const { return value != 0; }
@@ -26,98 +27,108 @@ struct MaterialId {
 };
 
 struct MaterialSystemOptions {
-  uint64_t budget_bytes = 64u << 20;             // GPU bytes of all parts, those in flight included
-  uint64_t upload_bytes_per_frame = 256u << 10;  // at least one row of texels goes up per frame
-  float fade_levels_per_second = 4;              // of detail that arrives in view
-  float fade_levels_per_frame = 1.0f / 15;       // at most, however long a frame takes; above 0
-  float release_seconds = 3;         // what nobody has demanded for longer goes even where there is room
-  Lookup lookup = Lookup::kDefault;  // where a material has geometry; kPaper where it stores a VDIM; kQuality
-                                     // is drawn as kDefault
-  // Of near terms that have cast shadows: kNone leaves them out; kFast and kDefault, at most that lookup, or
-  // the shadow map of assets that are cooked for it; kMap, the shadow map where an asset holds one, else
-  // kFast.
+  uint64_t budget_bytes = 64u << 20;  // most GPU bytes of all parts, those in flight included
+  // most bytes uploaded per frame, but at least one row of texels
+  uint64_t upload_bytes_per_frame = 256u << 10;
+  // Speed at which detail that arrives in view fades in: levels of detail per second.
+  float fade_levels_per_second = 4;
+  // Most levels of detail that fade in during one frame, however long it takes; above 0.
+  float fade_levels_per_frame = 1.0f / 15;
+  // Parts that have not been demanded for longer than this are released even if there is room, in seconds.
+  float release_seconds = 3;
+  // The VDIM look-up of materials that have geometry; kQuality is drawn as kDefault. A material that stores a
+  // VDIM uses kPaper.
+  Lookup lookup = Lookup::kDefault;
+  // How cast shadows of near terms are found. kNone leaves them out. kFast and kDefault use at most that
+  // look-up, or the shadow map of assets that are cooked to use it. kMap uses the shadow map where an asset
+  // holds one, else kFast.
   Visibility visibility = Visibility::kDefault;
-  // Of every material; empty: what its asset asks for. At most: what the budget has no room for is drawn with
-  // a small one.
+  // The VDIM atlas size of every material; empty: the size that its asset asks for. It is an upper bound: a
+  // material for whose atlas the budget has no room is drawn with a small one.
   std::optional<VdimAtlasSize> atlas_size = {};
-  int first_unit = 0;     // texture unit that a material's begin at; what lies below stays the engine's
-  int atlas_threads = 1;  // that build one VDIM atlas, beside the loading thread
+  int first_unit = 0;     // the first texture unit that materials use; units below stay the engine's
+  int atlas_threads = 1;  // threads that build one VDIM atlas, besides the loading thread
 };
 
-// What a report counts. Bytes are of the asset parts, as texel data.
+// Numbers for a report. Bytes are those of the asset parts, as texel data.
 struct MaterialStats {
   int materials = 0;
   int parts_resident = 0, parts_in_flight = 0;
-  uint64_t resident_bytes = 0;  // of GPU memory, in flight included
+  uint64_t resident_bytes = 0;  // GPU memory, parts in flight included
   uint64_t peak_bytes = 0;      // largest resident_bytes of any frame
-  uint64_t total_bytes = 0;     // if everything of every material were resident
-  uint64_t read_bytes = 0;      // from files, since the start
-  uint64_t uploaded_bytes = 0;  // since the start
+  uint64_t total_bytes = 0;     // what all parts of all materials would take
+  uint64_t read_bytes = 0;      // read from files since the start
+  uint64_t uploaded_bytes = 0;  // uploaded since the start
   uint64_t uploaded_last_frame = 0;
   uint64_t evicted_parts = 0;
-  uint64_t failed_parts = 0;   // could not be read, or had no room in the driver's or the process's memory
-  uint64_t failed_memory = 0;  // of these the latter
+  // parts that could not be read, or for which the driver or the process had no memory
+  uint64_t failed_parts = 0;
+  uint64_t failed_memory = 0;  // of the failed parts, those for which there was no memory
 };
 
 // One streamable part of a material.
 struct PartStats {
   std::string name;    // "band 0", "geometry", "near term" ...
-  uint64_t bytes = 0;  // on the GPU
+  uint64_t bytes = 0;  // size on the GPU
   bool resident = false;
 };
 
 class MaterialSystem {
  public:
-  // The device must be current and outlive the system. Issues: kOption.
+  // A material system on the device, which must be current and must outlive the system. Issues: kOption.
   static Result<std::unique_ptr<MaterialSystem>> create(const Device& device,
                                                         const MaterialSystemOptions& options);
   ~MaterialSystem();
   MaterialSystem(const MaterialSystem&) = delete;
   MaterialSystem& operator=(const MaterialSystem&) = delete;
 
-  // Reads the header only, on this thread, and makes the material's small GL objects; parts follow on demand,
-  // read from the loading threads. Issues of AssetFile::open; kLimit if the shaders or the driver take no
-  // material of this size; kMemory, as of all calls that return an issue. Others are as they were then.
+  // Opens an asset and returns its name. Reads only the header, on the calling thread, and creates the
+  // material's small GL objects; the parts follow on demand, read by the loading threads. Issues: those of
+  // AssetFile::open; kLimit if the shaders or the driver take no material of this size; kMemory (which every
+  // call that returns an issue may return). After an issue all other materials are as they were.
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   Result<MaterialId> load(const std::filesystem::path& path);
   void unload(MaterialId id);
-  // From the next update() on; what no longer fits is evicted there.
+  // Sets budget_bytes from the next update() on, which evicts what no longer fits.
   void setBudget(uint64_t bytes);
 
-  // What the material's program must be built for; fixed for its life.
+  // The variant that the material's shader must be compiled for; it never changes while the material is
+  // loaded.
   MaterialVariant variant(MaterialId id) const;
-  // Description without texel data.
+  // The material's description, without texel data.
   const Material& material(MaterialId id) const;
 
-  // Some visible surface asks for this material at `lambda` or coarser this frame; the smallest counts. May
-  // throw std::bad_alloc, and nothing is asked for then.
+  // Says that a visible surface needs this material at `lambda` or coarser in this frame; of several calls
+  // the smallest lambda counts. May throw std::bad_alloc, and then has no effect.
   void demand(MaterialId id, float lambda);
-  // Once per frame: takes what the loading thread delivered, uploads within the bound, evicts, fades in, asks
-  // for more. Never waits. Seconds since the last call. A part that finds no memory is a failed part.
+  // Does the work of one frame, without waiting: takes what the loading threads delivered, uploads within the
+  // bound, evicts, advances fades, and requests more. Call it once per frame; `seconds` is the time since the
+  // last call. A part for which there is no memory becomes a failed part.
   void update(float seconds);
-  // Updates until every demanded part is resident, or cannot be, and shows it without a fade; for captures
-  // and tests. May throw std::bad_alloc, and goes on with the next call.
+  // Calls update() until every demanded part is resident, or cannot be, and shows it without a fade; for
+  // captures and tests. May throw std::bad_alloc; the next call continues.
   void finishLoading();
 
-  // Binds the material's uniform block and textures (shaders/loden_shared.h: LODEN_BLOCK_MATERIAL, and
-  // unitsOf(variant(id)) texture units from MaterialSystemOptions::first_unit on). The one call that leaves
-  // GL state behind.
+  // Binds the material's uniform block to LODEN_BLOCK_MATERIAL (shaders/loden_shared.h), and its textures to
+  // unitsOf(variant(id)) texture units from MaterialSystemOptions::first_unit on. This is the only call that
+  // leaves GL state changed.
   void bind(MaterialId id);
-  // The smallest lambda that the shader will use: detail below it is not resident.
+  // The smallest lambda that the shader will use; finer detail is not resident.
   float residentLambda(MaterialId id) const;
 
-  // Changes whenever what a material with relief shows changes: parts that come or go, and their fades. Depth
-  // that was drawn with its relief is out of date then.
+  // A number that changes whenever what a material with relief shows changes, which is when parts arrive, are
+  // evicted or fade. A depth map drawn with its relief is out of date then.
   uint64_t reliefRevision() const;
 
-  // After the context is gone: forget every name; after the new one is current: everything streams in again.
-  // In between no call touches GL: load() refuses (kGlContext), update() and finishLoading() do nothing, and
-  // bind() is a mistake. Where contextRestored() gives an issue, it may be called again.
+  // Call contextLost() after the GL context is gone; it forgets every GL name. Call contextRestored() when
+  // the new context is current; everything is then streamed in again. In between no call touches GL: load()
+  // returns kGlContext, update() and finishLoading() do nothing, and bind() must not be called. If
+  // contextRestored() returns an issue, it may be called again.
   void contextLost();
   Status contextRestored();
 
   const MaterialStats& stats() const;
-  // In the order in which they arrive.
+  // The material's parts in the order in which they are loaded.
   std::vector<PartStats> parts(MaterialId id) const;
 
  private:

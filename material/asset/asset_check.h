@@ -1,4 +1,4 @@
-// What a material must satisfy to stand in an asset: the same checks for the writer and for the readers.
+// The conditions that a material in an asset must satisfy, checked by the writer and by the readers.
 // Internal.
 #pragma once
 
@@ -10,13 +10,14 @@
 
 namespace loden::asset {
 
-// Fields and extents; not the texels.
+// Checks fields and extents, but not texels.
 void checkMaterial(const Material& material, IssueList& issues);
 
-// The texels of one part, whose description is valid: that they are there, finite, and zero where unused.
+// Checks the texels of one part, whose description has been found valid: they must be present, finite, and
+// zero where unused.
 void checkPartTexels(const Material& material, const Part& part, const std::string& place, IssueList& issues);
 
-// That meta text is UTF-8 and within its limit.
+// Checks that the META text is UTF-8 and within its limit.
 void checkMeta(const std::string& text, IssueList& issues);
 
 }  // namespace loden::asset

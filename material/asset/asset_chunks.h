@@ -1,4 +1,4 @@
-// The preamble, the chunk table, and the bytes of single chunks. Internal to the container.
+// Reads and writes the preamble, the chunk table, and the bytes of single chunks. Internal to the container.
 #pragma once
 
 #include <cstddef>
@@ -13,29 +13,30 @@ namespace loden::asset {
 
 // --- writing ---
 
-// The chunk's stored bytes: zstd, unless that does not help or would break the limit on raw : stored. `chunk`
-// gets codec, sizes and hash.
+// The chunk's stored bytes: compressed by zstd, unless that does not help or would exceed the limit on the
+// ratio of raw to stored bytes. Sets codec, sizes and hash of `chunk`.
 Result<std::vector<std::byte>> packChunk(std::span<const std::byte> raw, ChunkInfo& chunk);
 
-// Preamble and table, padded to the first chunk.
+// The bytes of preamble and table, padded to the first chunk.
 std::vector<std::byte> encodeChunkTable(std::span<const ChunkInfo> chunks);
 
 // --- reading ---
 
-// What the table says; whatever is wrong with it goes to `issues`. Empty if it cannot be read at all.
+// The chunk table; what is wrong with it is added to `issues`. Empty if it cannot be read at all.
 std::vector<ChunkInfo> readChunkTable(const ByteSource& source, IssueList& issues);
 
-// How many chunks, from the front, lie wholly inside the source.
+// The number of chunks, counted from the front, that lie wholly inside the source.
 int countPresent(std::span<const ChunkInfo> chunks, uint64_t source_bytes);
 
 // The stored bytes of one chunk, checked against its hash. `where` is for messages.
 Result<std::vector<std::byte>> readStored(const ByteSource& source, const ChunkInfo& chunk,
                                           const std::string& where);
-// The raw bytes. The caller has checked that raw_bytes is what the content needs, or within a limit.
+// The raw bytes of one chunk. The caller has checked that raw_bytes is what the content needs, or within a
+// limit.
 Result<std::vector<std::byte>> readRaw(const ByteSource& source, const ChunkInfo& chunk,
                                        const std::string& where);
 
-// That the bytes in front of chunk `index`, up to what stands before it, are zero.
+// Checks that the padding in front of chunk `index`, from the end of what stands before it, is zero.
 void checkPadding(const ByteSource& source, std::span<const ChunkInfo> chunks, size_t index,
                   IssueList& issues);
 

@@ -1,4 +1,4 @@
-// From chunks to a material: what an asset declares, and its parts one by one. Internal to the container.
+// Reads a material from chunks: what an asset declares, and its parts one by one. Internal to the container.
 #pragma once
 
 #include <span>
@@ -10,29 +10,30 @@
 
 namespace loden::asset {
 
-// What table and HEAD say.
+// The content of the chunk table and of HEAD.
 struct Contents {
   std::vector<ChunkInfo> chunks;
-  int present = 0;         // chunks, from the front, that lie wholly inside the source
-  Material skeleton;       // all that HEAD declares, without texels
-  bool described = false;  // table and skeleton are valid, and the chunks are what HEAD asks for
+  int present = 0;         // number of chunks, from the front, that lie wholly inside the source
+  Material skeleton;       // everything that HEAD declares, without texels
+  bool described = false;  // table and skeleton are valid, and the chunks are those that HEAD asks for
 };
 Contents readContents(const ByteSource& source, IssueList& issues);
 
-// Index in `chunks` of a part's chunk, by its place among the parts of its type; -1 if there is none.
+// The index in `chunks` of a part's chunk, found by the part's place among those of its type; -1 if there is
+// none.
 int chunkOfPart(std::span<const ChunkInfo> chunks, const Material& skeleton, const Part& part);
 
-// Reads, checks and decompresses one part into `material`, which afterwards has all that was loaded of it: of
-// what is split the leading part alone, and with the rest, which goes to a material that has the leading
-// part, the whole. `described` has the whole without texels. META goes to meta_json; HEAD is left as it is.
+// Reads, checks and decompresses one part into `material`. If the part is split, a call for its leading part
+// gives `material` that part alone; a later call for the rest completes it to the whole. `described` is the
+// whole material without texels. META is stored in meta_json; HEAD changes nothing.
 void loadPart(const ByteSource& source, const ChunkInfo& chunk, size_t index, const Part& part,
               const Material& described, Material& material, IssueList& issues);
 
-// Loads what is present and forgets the rest, raising lambda_min to the finest level that is left. With
-// `stop_at_first`, does no more work after an issue.
+// The material of all parts that are present, without those that are absent; lambda_min is raised to the
+// finest level that is left. With `stop_at_first` it does no more work after an issue.
 Material readAll(const ByteSource& source, bool stop_at_first, IssueList& issues);
 
-// Checks table, header, checksums, padding and end, and decompresses HEAD alone.
+// Checks table, header, checksums, padding and end of file. Decompresses HEAD only.
 void inspectAll(const ByteSource& source, IssueList& issues);
 
 }  // namespace loden::asset

@@ -11,21 +11,22 @@
 
 namespace loden::asset {
 
-// As PNG and KTX2: a byte that is not ASCII, a name, and line ends that text-mode copies damage.
+// The first bytes of the file, built like those of PNG and KTX2: a byte that is not ASCII, a name, and line
+// ends that text-mode copies would damage.
 inline constexpr std::array<uint8_t, 12> kMagic = {0xAB, 'L',  'O',  'D',  'E',  'N',
                                                    '1',  0xBB, '\r', '\n', 0x1A, '\n'};
 inline constexpr uint16_t kMajor = 1;
 inline constexpr uint16_t kMinor = 0;
 
-inline constexpr size_t kPreambleBytes = 32;  // before the chunk table
-inline constexpr size_t kEntryBytes = 48;     // of the chunk table
+inline constexpr size_t kPreambleBytes = 32;  // bytes before the chunk table
+inline constexpr size_t kEntryBytes = 48;     // bytes of one entry of the chunk table
 static_assert(kPreambleBytes + AssetLimits::kMaxChunks * kEntryBytes <= AssetLimits::kTableEnd);
 static_assert(kPreambleBytes + (AssetLimits::kMaxChunks + 1) * kEntryBytes > AssetLimits::kTableEnd);
 
 constexpr uint32_t fourCharacters(const char (&name)[5]) {
   return uint32_t(name[0]) | uint32_t(name[1]) << 8 | uint32_t(name[2]) << 16 | uint32_t(name[3]) << 24;
 }
-inline constexpr uint32_t kHead = fourCharacters("HEAD");  // everything but texels
+inline constexpr uint32_t kHead = fourCharacters("HEAD");  // everything except texels
 inline constexpr uint32_t kBand =
     fourCharacters("BAND");  // texels of one band or a share of it: weights, then table
 inline constexpr uint32_t kGeom = fourCharacters("GEOM");  // texels of the geometry image
@@ -57,22 +58,24 @@ struct Part {
   friend bool operator==(const Part&, const Part&) = default;
 };
 
-// What a material's file holds, in file order: HEAD, the coarsest band, the maps that find p, the finer
-// bands, the surface maps, META. The maps come first of all if even the coarsest band is read at p.
+// The parts of a material's file, in file order: HEAD, the coarsest band, the maps that find p, the finer
+// bands, the surface maps, META. The maps that find p come before the coarsest band if that band is read at p
+// too.
 std::vector<Part> partsOf(const Material& material);
 
-// Of them those of one band, or of anything else.
+// The parts of one band, or of one other chunk type, in file order.
 std::vector<Part> partsOf(const Material& material, uint32_t type, int band = -1,
                           Share share = Share::kWhole);
 
-// The textures that a part holds, or holds some texels of, in order. Empty for kHead and kMeta.
+// The textures of which a part holds all or some texels, in order. Empty for kHead and kMeta.
 std::vector<Texture*> partTextures(Material& material, const Part& part);
 std::vector<const Texture*> partTextures(const Material& material, const Part& part);
 
-// A part's raw bytes, as the textures' extents need them.
+// The number of raw bytes of a part, computed from the textures' extents.
 uint64_t partBytes(const Material& material, const Part& part);
 
-// A part's raw bytes, from textures whose data is complete; and back, into data that is given its full size.
+// Copies between a part's raw bytes and textures. gatherTexels needs textures whose data is complete;
+// scatterTexels writes into data that is given its full size.
 std::vector<std::byte> gatherTexels(const Material& material, const Part& part);
 void scatterTexels(std::span<const std::byte> raw, const Part& part, Material& material);
 

@@ -1,4 +1,5 @@
-// The HEAD chunk: everything about a material except its texels and its meta text. Internal.
+// Encodes and decodes the HEAD chunk, which holds everything about a material except its texels and its META
+// text. Internal.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +13,8 @@ namespace loden::asset {
 
 std::vector<std::byte> encodeHeader(const Material& material);
 
-// The material that the record describes, textures with extents and no data. Checks only what it takes to
-// read the record, counts above all; checkMaterial checks the rest.
+// The material that the record describes; its textures have extents but no data. Checks only what is needed
+// to read the record, counts above all; checkMaterial checks the rest.
 Material decodeHeader(std::span<const std::byte> record, IssueList& issues);
 
 }  // namespace loden::asset

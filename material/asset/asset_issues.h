@@ -1,4 +1,4 @@
-// Collects what is wrong with an asset. Internal to the container.
+// Collects the issues of an asset. Internal to the container.
 #pragma once
 
 #include <exception>
@@ -20,7 +20,7 @@ std::string join(const Values&... values) {
   return text.str();
 }
 
-// "chunk 3 (BAND)"
+// The place of a chunk in messages: "chunk 3 (BAND)".
 inline std::string chunkPlace(size_t index, uint32_t type) {
   return join("chunk ", index, " (", chunkName(type), ")");
 }
@@ -34,7 +34,7 @@ class IssueList {
   const Issue& first() const { return issues_.front(); }
   std::vector<Issue> take() { return std::move(issues_); }
 
-  // "cloth.loden: chunk 3 (BAND)"
+  // The file's name and the place in it: "cloth.loden: chunk 3 (BAND)".
   std::string where(const std::string& place) const { return place.empty() ? file_ : file_ + ": " + place; }
 
   void add(int id, const std::string& place, std::string text) {
@@ -52,7 +52,7 @@ class IssueList {
   std::vector<Issue> issues_;
 };
 
-// That there is not enough memory; without the name where there is none even for that.
+// The issue that there is not enough memory. It leaves the name out if there is no memory even for that.
 inline Issue memoryIssue(const std::string& name, const char* why) noexcept {
   try {
     return {issue_id::kMemory, Severity::kError, name, join("not enough memory for this asset: ", why)};
@@ -62,7 +62,8 @@ inline Issue memoryIssue(const std::string& name, const char* why) noexcept {
   }
 }
 
-// Runs `work`, which returns a Result or a Status; what it throws, memory above all, becomes an issue.
+// Runs `work`, which returns a Result or a Status. An exception that it throws, such as std::bad_alloc,
+// becomes an issue.
 template <class Work>
 auto withoutExceptions(const std::string& name, const Work& work) -> decltype(work()) {
   try {

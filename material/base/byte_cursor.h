@@ -1,4 +1,4 @@
-// Little-endian records, read from untrusted bytes and written to a vector. Internal to the container.
+// Reads little-endian records from untrusted bytes, and writes them to a vector. Internal to the container.
 #pragma once
 
 #include <bit>
@@ -15,8 +15,8 @@ namespace loden::asset {
 
 static_assert(std::endian::native == std::endian::little, "records are copied as they stand in the file");
 
-// Reads from the front. A read beyond the end gives zeros and leaves ok() false for good, so that a record
-// can be read field by field and checked once.
+// Reads fields from the front of a byte span. A read beyond the end gives zeros and leaves ok() false from
+// then on, so that a record can be read field by field and checked once at the end.
 class ByteCursor {
  public:
   explicit ByteCursor(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -30,7 +30,7 @@ class ByteCursor {
   float f32() { return number<float>(); }
   double f64() { return number<double>(); }
 
-  // The next `count` bytes; empty, and ok() false, if fewer are left.
+  // The next `count` bytes; if fewer are left, empty, and ok() becomes false.
   std::span<const std::byte> bytes(size_t count) {
     if (count > rest_.size()) {
       ok_ = false;

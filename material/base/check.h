@@ -1,4 +1,4 @@
-// Programmer mistakes: a check prints both values and stops. On in every build.
+// Checks for programmer mistakes, active in every build: a check that fails prints both values and aborts.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// The exit codes that all tools share, and the one that goes with an issue.
+// The exit codes of all tools, and the exit code that belongs to an issue.
 #pragma once
 
 #include "material/base/issues.h"
@@ -6,7 +6,7 @@
 
 namespace loden {
 
-// Documented in `loden --help`; never renumbered.
+// The exit codes, as `loden --help` documents them; they are never renumbered.
 enum ExitCode {
   kExitOk = 0,
   kExitUsage = 1,

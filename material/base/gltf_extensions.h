@@ -1,4 +1,4 @@
-// The glTF extensions that are understood: by bakes, and by the runtime, which draws more of them.
+// The glTF extensions that Loden supports: a few in bakes, and more in the runtime, which draws them.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace loden {
 
-// Those that a bake heeds, or that change nothing in what it bakes.
+// The extensions that a bake supports, or that do not change what it bakes.
 inline constexpr std::array<std::string_view, 3> kSupportedGltfExtensions{
     "KHR_lights_punctual", "KHR_mesh_quantization", "LODEN_materials_flat_btf"};
 constexpr bool isSupportedGltfExtension(std::string_view name) {
@@ -15,8 +15,8 @@ constexpr bool isSupportedGltfExtension(std::string_view name) {
          kSupportedGltfExtensions.end();
 }
 
-// Those that a scene may require: the runtime draws them, or what is drawn does not depend on them. `loden
-// validate` accepts the same.
+// The extensions that a scene may require: the runtime draws them, or the picture does not depend on them.
+// `loden validate` accepts the same extensions.
 inline constexpr std::array<std::string_view, 16> kDrawnGltfExtensions{
     "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
     "EXT_texture_webp",        "KHR_lights_punctual",

@@ -1,5 +1,5 @@
-// Every issue number with its name and what it says: the table that `loden validate --list` prints and that
-// material/FORMAT.md repeats for assets.
+// Every issue number with its name and meaning: the table that `loden validate --list` prints, and whose rows
+// for assets material/FORMAT.md repeats.
 #pragma once
 
 #include <array>
@@ -9,18 +9,18 @@
 
 namespace loden {
 
-// Who raises an issue: `loden validate`, which lists it, and readers and loaders with it; or other commands
-// alone.
+// Which commands raise an issue: `loden validate`, which lists it, together with readers and loaders
+// (kValidate), or only other commands (kOthers).
 enum class FoundBy { kValidate, kOthers };
 
 struct IssueKind {
   int id = 0;
-  std::string_view name;     // for programs; never changed
+  std::string_view name;     // an identifier for programs; never changed
   std::string_view summary;  // one line
   FoundBy found_by = FoundBy::kValidate;
 };
 
-// By ascending number.
+// All issues, by ascending number.
 inline constexpr std::array kIssueKinds{
     IssueKind{issue_id::kCannotOpen, "cannot-open",
               "a file or folder is not there, not readable, or no regular file"},
@@ -298,7 +298,7 @@ inline constexpr std::array kIssueKinds{
     IssueKind{issue_id::kGlDebug, "gl-debug", "the OpenGL driver has said something", FoundBy::kOthers},
 };
 
-// Null for a number that is none.
+// The table's row for this number; null if it is not an issue number.
 constexpr const IssueKind* issueKind(int id) {
   for (const IssueKind& kind : kIssueKinds)
     if (kind.id == id) return &kind;

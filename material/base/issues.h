@@ -1,6 +1,6 @@
-// The one table of issue numbers: loader, `loden validate`, tests and documents all name issues from here,
-// one for each fault. A number is never reused: 2004, 3001, 3002, 4001 and 4002 each stood for many faults
-// that now have numbers of their own. Add a line; never renumber.
+// Issue numbers, one for each kind of fault. Loader, `loden validate`, tests and documents all take them from
+// here. To extend the table add a line; a number is never changed or reused. 2004, 3001, 3002, 4001 and 4002
+// are retired: each stood for many faults that now have numbers of their own.
 #pragma once
 
 namespace loden::issue_id {

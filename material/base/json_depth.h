@@ -1,4 +1,4 @@
-// How deep a JSON text nests, found before a parser that recurses sees it (a stack holds about 20 000
+// Limits how deeply a JSON text nests, before a recursive parser reads it (a stack holds about 20 000
 // levels).
 #pragma once
 
@@ -9,10 +9,10 @@
 
 namespace loden {
 
-inline constexpr int kMaxJsonDepth = 64;  // nested arrays and objects
+inline constexpr int kMaxJsonDepth = 64;  // most levels of nested arrays and objects
 
-// OK if arrays and objects nest at most kMaxJsonDepth deep outside of strings; kGltfDepth otherwise. The text
-// need not be valid JSON.
+// Success if arrays and objects, outside of strings, nest at most kMaxJsonDepth deep; kGltfDepth otherwise.
+// The text need not be valid JSON.
 Status checkJsonDepth(std::string_view json, const std::string& name);
 
 }  // namespace loden

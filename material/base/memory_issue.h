@@ -1,4 +1,4 @@
-// That there is not enough memory, as an issue (kMemory) instead of an exception.
+// Turns a failed allocation into an issue (kMemory) in place of an exception.
 #pragma once
 
 #include <new>
@@ -9,7 +9,8 @@
 
 namespace loden {
 
-// Without the name where there is no memory even for that. `what`: "this scene".
+// The issue that there is not enough memory for `what` (such as "this scene"). It leaves the name out if
+// there is no memory even for that.
 inline Issue memoryIssue(const std::string& name, const char* what) noexcept {
   try {
     return {issue_id::kMemory, Severity::kError, name, std::string("not enough memory for ") + what};
@@ -19,7 +20,7 @@ inline Issue memoryIssue(const std::string& name, const char* what) noexcept {
   }
 }
 
-// Runs `work`, which returns a Result or a Status.
+// Runs `work`, which returns a Result or a Status, and turns std::bad_alloc into a memoryIssue.
 template <class Work>
 auto withMemoryIssue(const std::string& name, const char* what, const Work& work) -> decltype(work()) {
   try {

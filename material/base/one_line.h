@@ -1,4 +1,4 @@
-// What another library says, for the text of an Issue.
+// Puts the message of another library on one line, for the text of an Issue.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,8 @@
 
 namespace loden {
 
-// The first 500 bytes at most, with a space for each line break and control character and none at the end.
+// The first 500 bytes of the text at most. Each line break and control character becomes a space, and
+// trailing spaces are removed.
 inline std::string oneLine(std::string text) {
   text.resize(std::min<size_t>(text.size(), 500));
   for (char& c : text)

@@ -1,5 +1,5 @@
-// A value, or the Issue that explains why there is none. Bad files and user input travel this way;
-// programmer mistakes are LODEN_CHECK. No exception crosses a module edge.
+// Result: a value, or the Issue that explains why there is none. Bad files and wrong user input are reported
+// in this way; programmer mistakes abort by LODEN_CHECK. No exception leaves a module.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ namespace loden {
 
 enum class Severity { kNote, kWarning, kError };
 
-// Stable numbers: 1xxx I/O, 2xxx container, 3xxx header, 4xxx band and map data, 5xxx glTF,
-// 6xxx bake and cook input, 7xxx GPU and memory. The table of all of them is material/base/issues.h.
+// A fault with its number. Numbers are stable: 1xxx I/O, 2xxx container, 3xxx header, 4xxx band and map data,
+// 5xxx glTF, 6xxx bake and cook input, 7xxx GPU and memory. material/base/issues.h lists all of them.
 struct Issue {
   int id = 0;
   Severity severity = Severity::kError;
@@ -52,7 +52,7 @@ class [[nodiscard]] Result {
   std::variant<T, Issue> state_;
 };
 
-// Success, or the Issue.
+// Success, or the Issue that explains the failure.
 class [[nodiscard]] Status {
  public:
   Status() = default;

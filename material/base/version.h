@@ -1,4 +1,4 @@
-// The version of Loden, for the preprocessor. CMakeLists.txt reads it from here.
+// The version of Loden as preprocessor macros. CMakeLists.txt reads it from here.
 #pragma once
 
 #define LODEN_VERSION_MAJOR 0

@@ -1,5 +1,5 @@
-// Colour spaces, fixed once (every study uses these): BT.601 YCbCr of linear RGB, and CIE Lab from linear
-// sRGB primaries at D65 without clipping; 1 is white Lambert lit from above.
+// Colour spaces, the same in every part of Loden: BT.601 YCbCr of linear RGB, and CIE Lab of linear RGB with
+// sRGB primaries and D65 white, without clipping. The value 1 is white Lambert lit from above.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -21,7 +21,7 @@ glm::vec<3, T> rgbFromYcc(const glm::vec<3, T>& ycc) {
 
 glm::dvec3 labFromRgb(const glm::dvec3& linear_rgb);
 
-// sRGB transfer function, both ways.
+// The sRGB transfer function and its inverse.
 double srgbFromLinear(double linear);
 double linearFromSrgb(double srgb);
 

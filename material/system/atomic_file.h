@@ -1,4 +1,4 @@
-// Files that appear whole or not at all.
+// Writes files that appear whole or not at all.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace loden {
 
-// When a file reaches the disk: before the call returns, or whenever the system sees fit, for one of many
-// files that flushFileSystem follows.
+// When a file reaches the disk: before the call returns (kNow), or when the system writes it (kLater, for one
+// of many files after which flushFileSystem is called).
 enum class Flush { kNow, kLater };
 
 // Writes to a temporary file in the same folder, flushes it and renames it to `path`. On failure
@@ -20,7 +20,8 @@ enum class Flush { kNow, kLater };
 Status writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes,
                            Flush flush = Flush::kNow);
 
-// Writes all that the file system with this folder has in memory to the disk. kCannotWrite if that fails.
+// Writes everything that the file system of this folder still has in memory to the disk. Issues:
+// kCannotWrite.
 Status flushFileSystem(const std::filesystem::path& folder);
 
 }  // namespace loden

@@ -1,4 +1,4 @@
-// Files that an untrusted document names by uri: only those in its own folder.
+// Paths of files that an untrusted document names by URI, confined to the document's own folder.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,13 @@
 
 namespace loden {
 
-// A relative uri, percent-encoding decoded, as a path without ".." that leave. kGltfPath for schemes,
-// absolute paths, broken escapes, backslashes and zero bytes. `where` names the uri in messages.
+// The path that a relative URI names, percent-encoding decoded, without ".." that leads out of the folder.
+// Issues: kGltfPath for schemes, absolute paths, broken escapes, backslashes and zero bytes. `where` names
+// the URI in messages.
 Result<std::filesystem::path> relativePathOfUri(std::string_view uri, const std::string& where);
 
-// The file that the uri names inside `folder`, links followed; kGltfPath also if it would lie outside.
+// The file that the URI names inside `folder`, with links followed. Issues: kGltfPath as for
+// relativePathOfUri, and if the file lies outside the folder.
 Result<std::filesystem::path> confinedPath(const std::filesystem::path& folder, std::string_view uri,
                                            const std::string& where);
 

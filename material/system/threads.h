@@ -1,4 +1,4 @@
-// Work on several threads, for material/base/for_each.h.
+// A ForEach (material/base/for_each.h) that works on several threads.
 #pragma once
 
 #include <stop_token>
@@ -7,7 +7,8 @@
 
 namespace loden {
 
-// Runs on `threads` threads (0: one per core). After a stop no further piece is begun.
+// A ForEach that runs on `threads` threads (0: one per core). After a stop request it begins no further
+// piece.
 ForEach onThreads(int threads = 0, std::stop_token stop = {});
 
 }  // namespace loden

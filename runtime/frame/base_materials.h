@@ -14,7 +14,8 @@ namespace loden::runtime {
 // default material as the last.
 class BaseMaterials {
  public:
-  // than the driver's largest texture are halved until they fit.
+  // Uploads every image that a material uses, with mipmaps, once per pair of colour space and sampler. Images
+  // larger than the driver's largest texture are halved until they fit.
   explicit BaseMaterials(const Scene& scene);
 
   // The index, for alphaMode() and bind(), of an instance's material.

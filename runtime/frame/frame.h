@@ -40,7 +40,7 @@ enum class HeatMap {
 enum class LambdaRule { kFootprint, kDistance };
 
 struct FrameSettings {
-  // draws glTF's own materials, as a viewer without Loden's extension does
+  // Draws glTF's own materials, as a viewer without Loden's extension does.
   bool base_materials_only = false;
   // Draws Loden materials whose geometry is a height field by parallax occlusion mapping (16 linear steps, 5
   // bisections), for comparison: their maps are read at the point that it finds, and the tile casts no
@@ -49,7 +49,7 @@ struct FrameSettings {
   bool shadows = true;  // shadows of the scene's sun
   // Shadows of the environment's brightest sun, where the scene has no sun of its own.
   bool environment_shadows = false;
-  // half width of the shadows' borders, in texels of the shadow map; above 1 they are soft
+  // Half width of the shadows' borders, in texels of the shadow map; above 1 they are soft.
   float shadow_width = 1;
   bool depth_prepass = true;
   bool cull = true;  // skips objects that are out of view or show only back faces; off for measuring
@@ -78,7 +78,7 @@ struct FrameSettings {
   // What glTF's own materials reflect of the environment; all their environment light then comes from this
   // map.
   std::shared_ptr<const ReflectionMap> reflections;
-  // the level of `reflections` to show behind the scene; if not set, `background` is shown
+  // The level of `reflections` to show behind the scene; if not set, `background` is shown.
   std::optional<float> sky_level;
   // Light from all around, in the world frame; of its suns at most SCENE_MAX_SUNS are used. If not set,
   // sky_ambient and ground_ambient light the scene.

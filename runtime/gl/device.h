@@ -36,7 +36,7 @@ struct DeviceOptions {
 // What the driver offers, and what it lacks of what the runtime needs.
 struct Capabilities {
   std::string vendor, renderer, version, glsl_version;
-  // a software renderer: block compression is slow, and timer queries are not reliable
+  // A software renderer: block compression is slow, and timer queries are not reliable.
   bool software = false;
   int max_texture_side = 0;
   int max_volume_side = 0;

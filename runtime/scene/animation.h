@@ -13,7 +13,7 @@ namespace loden::runtime {
 // The state of all nodes at one time.
 struct ScenePose {
   std::vector<glm::mat4> world_from_node;  // by index into Scene::nodes
-  // per node, the weights of its morph targets; empty if it has none
+  // Per node, the weights of its morph targets; empty if it has none.
   std::vector<std::vector<float>> weights;
 };
 // The transform from a node's frame to its parent's.

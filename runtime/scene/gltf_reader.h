@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// tinygltf without its image decoder: images are decoded by runtime/scene/image_decode.h.
+// Tinygltf without its image decoder: images are decoded by runtime/scene/image_decode.h.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE
@@ -38,10 +38,10 @@ struct Reader {
     std::vector<unsigned char> data;
     uint64_t stride = 0;
   };
-  // decompressed buffer views of EXT_meshopt_compression, by buffer view
+  // Decompressed buffer views of EXT_meshopt_compression, by buffer view.
   std::map<int, DecodedView> decoded_views = {};
   size_t vertices = 0;  // vertices of all meshes read so far
-  // per glTF node its index in Scene::nodes; -1 if it is not part of the scene
+  // Per glTF node its index in Scene::nodes; -1 if it is not part of the scene.
   std::vector<int> nodes = {};
   std::map<int, int> images = {};  // per glTF image its index in Scene::images; -1 if it cannot be drawn
 

@@ -18,7 +18,7 @@ namespace loden::runtime {
 // Meshes without normals or tangents get them. Issues: 1xxx and 5xxx, with the place in the file, and
 // kMemory.
 struct SceneOptions {
-  // the variant to show, by name (KHR_materials_variants); empty: the meshes' own materials
+  // The variant to show, by name (KHR_materials_variants); empty: the meshes' own materials.
   std::string variant;
 };
 Result<Scene> loadGltfScene(const std::filesystem::path& path, const SceneOptions& options = {});

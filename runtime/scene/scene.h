@@ -205,7 +205,7 @@ struct Light {
   LightKind kind = LightKind::kPoint;
   glm::vec3 position{0};          // world; unused by a sun
   glm::vec3 direction{0, -1, 0};  // unit, the way the light travels; unused by a point light
-  // colour * intensity: for a sun the irradiance on a surface that faces it, for other lights the radiant
+  // Colour * intensity: for a sun the irradiance on a surface that faces it, for other lights the radiant
   // intensity. With irradiance pi a white Lambert surface facing the light has radiance 1.
   glm::vec3 intensity{1};
   float range = 0;                     // metres; 0 means no end

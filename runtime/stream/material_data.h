@@ -21,12 +21,12 @@ LodenMaterialData makeMaterialData(const Material& material);
 
 // Which parts of a material are on the GPU, as far as the shader must know.
 struct ResidentState {
-  // finest level to show (Residency::publishedLambda); may exceed lambda_max by coarsestFade
+  // Finest level to show (Residency::publishedLambda); may exceed lambda_max by coarsestFade.
   float lambda = 0;
   VdimAtlasSize atlas{0, 0};  // the VDIM atlas to read; 0: geometry image and atlas are not there yet
   uint32_t bands = 0;         // bit per band of which at least the leading part is there
   uint32_t leads = 0;         // bit per band of which only the leading part is there
-  // per band that is there whole: the share, 0 to 1, at which quads after the leading part are shown
+  // Per band that is there whole: the share, 0 to 1, at which quads after the leading part are shown.
   std::array<float, LODEN_MAX_BANDS> rest{};
   bool surface = false;  // surface maps are there, at least their coarse mips (the tail)
   bool tail = false;     // only the tail of the surface maps is read

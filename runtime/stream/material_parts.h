@@ -59,8 +59,8 @@ enum class Sampling : uint8_t {
 struct PartTexture {
   int unit = 0;  // texture unit (LODEN_UNIT_* of shaders/loden_shared.h)
   Sampling sampling = Sampling::kRepeatTrilinear;
-  // true for a geometry image, which is a GL_TEXTURE_2D of R32UI or R16 (shaders/loden_interface.glsl);
-  // false: an array
+  // True for a geometry image, which is a GL_TEXTURE_2D of R32UI or R16 (shaders/loden_interface.glsl);
+  // false: an array.
   bool plain_2d = false;
   const char* label = "";
   Texture texels;

@@ -16,11 +16,11 @@ namespace loden::runtime {
 // The properties of a material that its shader is compiled for.
 struct MaterialVariant {
   bool near = false;  // the material has a near term
-  // number of bands; with no band and no near term the program shades no Loden material
+  // Number of bands; with no band and no near term the program shades no Loden material.
   uint8_t bands = 0;
   Lookup lookup = Lookup::kNone;
   Visibility visibility = Visibility::kNone;  // how the near term finds cast shadows
-  // bands' tables are read at the nearest sampled pair of directions, without interpolation
+  // Bands' tables are read at the nearest sampled pair of directions, without interpolation.
   bool nearest_tables = false;
   uint8_t first_unit = 0;    // the first of the material's texture units
   uint8_t shadow_quads = 0;  // layers of the shadow map; 0 unless visibility is kMap
@@ -40,7 +40,7 @@ inline constexpr size_t kMostNearBands = 2;
 // One row of the list: two GLSL entry files, and the material variants for which they may be compiled.
 struct ProgramRow {
   std::string_view name;
-  // file names in shaders/; an empty fragment: the program draws depth only
+  // File names in shaders/; an empty fragment: the program draws depth only.
   std::string_view vertex, fragment;
   std::string_view defines[3];  // additional defines, each "NAME VALUE" or empty
   bool none = false;            // may be compiled without a Loden material
@@ -50,7 +50,7 @@ struct ProgramRow {
 };
 
 inline constexpr std::string_view kParallaxDepth = "SCENE_PARALLAX_DEPTH 1";
-// for curved meshes and stretched UVs
+// For curved meshes and stretched UVs.
 inline constexpr std::string_view kFollowSurface = "LODEN_FOLLOW_SURFACE 1";
 
 // Parallax occlusion mapping in place of the VDIM look-up in height fields, for comparison.

@@ -59,7 +59,7 @@ class LoadingThreads {
   };
 
   LoadingThreads();
-  // discards all requests; a request that is being worked on is stopped and waited for
+  // Discards all requests; a request that is being worked on is stopped and waited for.
   ~LoadingThreads();
 
   // Queues a request. Requests of one thread are served in order.

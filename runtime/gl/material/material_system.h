@@ -28,7 +28,7 @@ struct MaterialId {
 
 struct MaterialSystemOptions {
   uint64_t budget_bytes = 64u << 20;  // most GPU bytes of all parts, those in flight included
-  // most bytes uploaded per frame, but at least one row of texels
+  // Most bytes uploaded per frame, but at least one row of texels.
   uint64_t upload_bytes_per_frame = 256u << 10;
   // Speed at which detail that arrives in view fades in: levels of detail per second.
   float fade_levels_per_second = 4;
@@ -61,7 +61,7 @@ struct MaterialStats {
   uint64_t uploaded_bytes = 0;  // uploaded since the start
   uint64_t uploaded_last_frame = 0;
   uint64_t evicted_parts = 0;
-  // parts that could not be read, or for which the driver or the process had no memory
+  // Parts that could not be read, or for which the driver or the process had no memory.
   uint64_t failed_parts = 0;
   uint64_t failed_memory = 0;  // of the failed parts, those for which there was no memory
 };

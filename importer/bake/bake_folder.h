@@ -1,4 +1,5 @@
-// The state of a bake's folder while it fills: which bake it is of, which files it has. Not installed.
+// The state of a bake's folder while it is filled: which bake it belongs to, and which files it has. Not
+// installed.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +15,14 @@ namespace loden::importer {
 
 class BakeFolder {
  public:
-  // Makes the folder ready for this bake: a bake of something else in it is removed, or refused if it is to
-  // be resumed or shared with other shards.
+  // Makes the folder ready for this bake. A bake of something else in it is removed, or refused if the bake
+  // is to be resumed or shared with other shards.
   static Result<BakeFolder> prepare(const std::filesystem::path& folder, const BakeManifest& manifest,
                                     bool resume, bool shared);
 
   const std::filesystem::path& path() const { return folder_; }
-  // Runs `last`, writes bake.json, and takes the mark of the unfinished bake away. Shards that find the bake
-  // complete do this one after the other; `last` must give the same when it runs again.
+  // Runs `last`, writes bake.json, and removes the mark of an unfinished bake. Shards that find the bake
+  // complete do this one after the other; `last` must have the same result when it runs again.
   Status finish(const std::function<Status()>& last) const;
 
  private:
@@ -30,7 +31,7 @@ class BakeFolder {
   bool shared_ = false;
 };
 
-// XXH3-128 of everything that the bake reads from the tile, hex.
+// The XXH3-128 hash, in hex, of everything that the bake reads from the tile.
 std::string tileHash(const Tile& tile);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// What all parts of a bake share, and the parts; not installed.
+// The steps of a bake, and the data that they share. Not installed.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@
 
 namespace loden::importer {
 
-// Odd events and work done, counted from all threads.
+// Counts of work and of unusual events, added up by all threads.
 struct BakeCounters {
   std::atomic<uint64_t> rays{0};
   std::atomic<uint64_t> misses{0};  // view rays that met nothing
@@ -30,51 +30,52 @@ struct BakeScene {
   const std::vector<glm::dvec3>& directions() const { return manifest.directions.samples; }
 };
 
-// Where sample k of supersample^2 lies in its texel, in [0,1)^2: the centre of its cell, a little beside it
-// and unequally in x and y, so that samples fall on no edge or diagonal of a regular mesh.
+// The position in [0,1)^2 of sample k of supersample^2 in its texel: near the centre of its cell, moved by
+// unequal small amounts in x and y, so that samples fall on no edge or diagonal of a regular mesh.
 glm::dvec2 samplePosition(int k, int supersample);
 
-// Indirect light of one path per sample, added to values[light] (white units).
+// Adds the indirect light of one path per sample to values[light], in white units.
 void addIndirect(const BakeScene& scene, const TileHit& hit, const glm::dvec3& wo, uint64_t seed,
                  glm::vec3* values);
 
-// The points of the surface that a side x side map over p stands for.
+// The points of the tile's surface that the texels of a side x side map over p represent.
 struct TexelPoints {
-  std::vector<std::vector<ParamSample>> located;  // [k][texel]: under sample k of supersample^2
-  // [texel]: the point nearest to the texel's centre where the surface overlaps the texel and lies under none
-  // of its samples (coverParams), so that every texel with some surface has a value of it. Whole texels and
-  // not the cells of single samples are looked at: those that are met have their share of the texel's area as
-  // it is, and more points at the border would outweigh it.
+  std::vector<std::vector<ParamSample>> located;  // [k][texel]: the point under sample k of supersample^2
+  // [texel]: for a texel that the surface overlaps, but with none of its samples, the point of the surface
+  // nearest to the texel's centre (coverParams). So every texel with some surface has a value of it. This is
+  // decided for whole texels and not for the cells of single samples: samples that hit already represent the
+  // right share of the texel's area, and additional points at the border would get too much weight.
   std::vector<ParamSample> between;
 };
 TexelPoints locateTexels(const Tile& tile, int side, int supersample);
 
-// Chart that each texel of a side x side map over p belongs to, gutters included; empty if there is one
+// The chart that each texel of a side x side map over p belongs to, gutters included; empty if there is one
 // chart.
 std::vector<uint16_t> ownersOf(const Tile& tile, int side, const TexelPoints& points);
 
 class SurfaceSamples;
 
-// One view of the BTF, as the atlas image of all lights (3 channels).
+// One view of the BTF: an atlas with the image of each light (3 channels).
 Image bakeBtfView(const BakeScene& scene, const SurfaceSamples& surface, int view);
 
 // One view of the Flat-BTF (FBTF 3.3).
 struct FlatView {
   Image atlas;                 // 3 channels, holes filled
-  std::vector<float> visible;  // [flat texel], share of the texel's surface that the view sees
+  std::vector<float> visible;  // [flat texel]: share of the texel's surface that the view sees
 };
 FlatView bakeFlatView(const BakeScene& scene, const SurfaceSamples& surface, int view);
 
-// p - x at the texel centres for every view of a latlong map (FBTF 3.4), as the image of baked_output.h.
+// p - x at the texel centres for every view of a lat-long map (FBTF 3.4), in the layout of
+// importer/btf/baked_output.h.
 Image bakeVdim(const BakeScene& scene, glm::ivec2 zeniths_azimuths);
-// z of the first hit at the texel centres for every view of the grid of `directions` x `directions`,
-// likewise.
+// z of the first hit at the texel centres for every view of the grid of `directions` x `directions`, in the
+// layout of importer/btf/baked_output.h.
 Image bakeConcentricVdim(const BakeScene& scene, int directions);
 
-// Geometry image and surface maps over p.
+// The geometry image and the surface maps, over p.
 struct SurfaceImages {
   Image geometry, normal, diffuse, specular;
-  Image ggx;  // f0 and alpha; empty unless the tile's lobes are GGX
+  Image ggx;  // f0 and alpha; empty unless the tile has GGX lobes
 };
 SurfaceImages bakeSurface(const BakeScene& scene);
 

@@ -12,18 +12,18 @@
 
 namespace loden::importer {
 
-// The weights of an image are reduced once, and serve any number of images.
+// Push-pull. The weights of an image are reduced once, and can then be applied to any number of images.
 class PushPull {
  public:
-  // weights: [texel] of a size.x x size.y image, 0 where undefined, positive where defined. An axis that
-  // wraps is periodic.
+  // `weights`: [texel] of a size.x x size.y image, 0 where undefined, positive where defined. The image is
+  // periodic along each axis for which `wraps` is true.
   PushPull(glm::ivec2 size, glm::bvec2 wraps, std::span<const float> weights);
-  // Square and periodic.
+  // For a square image that is periodic along both axes.
   PushPull(int side, std::span<const float> weights)
       : PushPull(glm::ivec2(side), glm::bvec2(true), weights) {}
 
-  // Replaces undefined texels; defined ones stay as they are. texels: [texel], size as weights. Without any
-  // defined texel all stay.
+  // Replaces the undefined texels; defined ones are not changed. `texels` has the size of the weights. If no
+  // texel is defined, none is changed.
   void apply(std::span<glm::vec3> texels) const;
 
  private:
@@ -35,11 +35,12 @@ class PushPull {
   std::vector<Level> levels_;
 };
 
-// Fills a periodic side x side map over p that holds several charts, each chart's holes and gutter from that
-// chart alone. A chart without any defined texel gets the mean of all defined ones.
+// Fills a periodic side x side map over p that holds several charts; each chart's holes and gutter are filled
+// from that chart alone. A chart without any defined texel gets the mean of all defined texels.
 class HoleFill {
  public:
-  // weights as in PushPull; owners: [texel] chart (charts.h: chartOwners); empty: one chart everywhere.
+  // `weights` are as in PushPull. `owners`: the chart of each texel (chartOwners of importer/tile/charts.h);
+  // empty: one chart everywhere.
   HoleFill(FillMethod method, int side, std::span<const float> weights, std::span<const uint16_t> owners);
   ~HoleFill();
   HoleFill(HoleFill&&) noexcept;
@@ -47,9 +48,10 @@ class HoleFill {
   void apply(std::span<glm::vec3> texels) const;
 
  private:
-  struct Part;  // of one chart
+  struct Part;  // the part of the map that belongs to one chart
   std::vector<std::unique_ptr<Part>> parts_;
-  std::vector<uint32_t> defined_, orphans_;  // texels; orphans are of charts without a defined one
+  // Lists of texels; orphans are those of charts without a defined texel.
+  std::vector<uint32_t> defined_, orphans_;
 };
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// The last pass of a bake: what a view does not see of the surface, from the views that see it. Not
+// The last pass of a bake: fills what a view does not see of the surface from the views that see it. Not
 // installed.
 #pragma once
 
@@ -10,10 +10,10 @@
 namespace loden::importer {
 
 // Rewrites the views of a Flat-BTF whose files are all there, if its manifest asks for
-// FillMethod::kNearestView: a texel that a view does not see takes its values under all lights from the view
-// nearest in angle, of those that see it. Where no view does it stays as it is. Reads only what views see and
-// writes only the rest, so that a second run, or one that was killed half way, changes nothing. About 1 GiB
-// of memory at most.
+// FillMethod::kNearestView. A texel that a view does not see takes its values under all lights from the view
+// nearest in angle among those that see it. If no view sees it, it stays as it is. The pass reads only texels
+// that views see and writes only the others, so that running it again, also after it was killed half way,
+// changes nothing. It takes about 1 GiB of memory at most.
 Status fillFromViews(const std::filesystem::path& folder, const BakeManifest& manifest, bool quiet);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// What this machine and this build offer.
+// Facts about this machine and this build.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace loden::importer {
 
-// (what, value): versions of the linked libraries, processor, threads, memory. In reading order.
+// (name, value) pairs in reading order: versions of the linked libraries, processor, threads, memory.
 std::vector<std::pair<std::string, std::string>> systemFacts();
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// Files as bytes.
+// Reads files as bytes.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@
 
 namespace loden::importer {
 
-// The whole of a regular file. Issues: kCannotOpen, of folders, pipes and devices too; kCannotRead.
+// The bytes of a whole regular file. Issues: kCannotOpen, also for folders, pipes and devices; kCannotRead.
 Result<std::string> readFile(const std::filesystem::path& path);
 
-// Whether a regular file, or a folder where that may be one, is there and readable, for libraries that do not
-// say why they cannot open it, or wait at a pipe. Issues: kCannotOpen.
+// Checks that a regular file, or a folder if `what` allows one, is there and readable. It is for libraries
+// that do not say why they cannot open a file, or that would wait at a pipe. Issues: kCannotOpen.
 enum class Openable { kFile, kFileOrFolder };
 Status checkOpens(const std::filesystem::path& path, Openable what);
 

@@ -1,5 +1,5 @@
-// Pictures encoded in memory and written whole, so that a full disk is noticed whatever a format's library
-// does about it. Not installed.
+// Encodes pictures in memory and writes them whole, so that a full disk is noticed even if a format's library
+// would not report it. Not installed.
 #pragma once
 
 #include <OpenImageIO/imageio.h>
@@ -14,12 +14,12 @@
 namespace loden::importer {
 
 // The file's bytes in the format of `name`'s extension. `pixels` are of type `type`, row 0 first,
-// `pixel_bytes` apart, or as close as they can be. kImage if the format cannot hold `spec`.
+// `pixel_bytes` apart, or tightly packed by default. Issues: kImage if the format cannot hold `spec`.
 Result<std::vector<unsigned char>> encodeImage(const std::string& name, const OIIO::ImageSpec& spec,
                                                OIIO::TypeDesc type, const void* pixels,
                                                ptrdiff_t pixel_bytes = OIIO::AutoStride);
 
-// encodeImage, then writeFileAtomically.
+// Writes the result of encodeImage with writeFileAtomically.
 Status writeEncoded(const std::filesystem::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
                     const void* pixels, Flush flush, ptrdiff_t pixel_bytes = OIIO::AutoStride);
 

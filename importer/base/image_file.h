@@ -1,4 +1,4 @@
-// Whole images to and from files.
+// Reads and writes whole images.
 #pragma once
 
 #include <filesystem>
@@ -17,13 +17,14 @@ struct Image {
   std::vector<float> pixels;  // row-major, channels interleaved; size width * height * channels
 };
 
-// Row 0 first. Encoded in memory and written by writeFileAtomically, so a file of that name is always
-// complete. Not flushed: images are many, and what marks them as complete flushes them all.
+// Writes an image, row 0 first. It is encoded in memory and written by writeFileAtomically, so that a file of
+// that name is always complete. It is not flushed to disk: a bake writes many images, and flushes them all
+// before it marks them as complete.
 Status writeImage(const std::filesystem::path& path, int width, int height, int channels, PixelType type,
                   std::span<const float> pixels);
 Result<Image> readImage(const std::filesystem::path& path);
 
-// Width and height of a PNG or JPEG that is in memory, read from its header; {0, 0} if it is neither.
+// Width and height of a PNG or JPEG in memory, read from its header; {0, 0} if it is neither.
 glm::ivec2 imageExtents(std::span<const unsigned char> bytes);
 
 }  // namespace loden::importer

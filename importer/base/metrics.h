@@ -1,5 +1,5 @@
-// Differences between linear RGB values, in the colour spaces of material/model/color.h; white Lambert lit
-// from above = 1.
+// Differences between linear RGB values, in the colour spaces of material/model/color.h. White Lambert lit
+// from above is 1.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ struct ChannelError {
   double mse = 0, rmse = 0, mae = 0;  // white = 1
 };
 
-// Running sums. Merging in a fixed order gives results that do not depend on the number of threads.
+// Sums of errors over pairs of values. Merging sums in a fixed order gives results that do not depend on the
+// number of threads.
 class ErrorSums {
  public:
   void add(const glm::dvec3& reference, const glm::dvec3& test);
@@ -31,7 +32,7 @@ class ErrorSums {
  private:
   ChannelError channel(int c) const;
   uint64_t count_ = 0;
-  glm::dvec3 squares_{0}, absolutes_{0};  // of Y, Cb, Cr
+  glm::dvec3 squares_{0}, absolutes_{0};  // sums for Y, Cb, Cr
   double rgb_squares_ = 0;                // summed over the three channels
   double lab_sum_ = 0, lab_max_ = 0;
 };

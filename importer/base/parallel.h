@@ -1,4 +1,4 @@
-// Loops over independent work; oneTBB stays behind it.
+// Parallel loops over independent work, by oneTBB, which the header does not expose.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,8 @@
 
 namespace loden::importer {
 
-// At most one per core, whatever is asked for (0: all): oneTBB has no more, and warns on stderr.
+// The number of threads to use for a request of `threads` (0: all): at most one per core, since oneTBB has no
+// more, and warns on stderr.
 int usableThreads(int threads);
 
 // Calls body(i) once for every i in [0, count), on `threads` threads (0: all), in no set order. A reduction

@@ -1,4 +1,5 @@
-// Smooth pseudo-random functions on the torus, for the builtin tiles: same values on every machine.
+// Smooth pseudo-random functions on the torus, for the builtin tiles. They have the same values on every
+// machine.
 #pragma once
 
 #include <cmath>
@@ -9,7 +10,7 @@
 
 namespace loden::importer {
 
-// Uniform in [0, 1) for a lattice point; integer arithmetic only (Wang's hash).
+// A pseudo-random value of a lattice point, uniform in [0, 1); integer arithmetic only (Wang's hash).
 inline double latticeRandom(int x, int y, uint32_t seed) {
   uint32_t h =
       static_cast<uint32_t>(x) * 0x9E3779B1u ^ static_cast<uint32_t>(y) * 0x85EBCA77u ^ seed * 0xC2B2AE3Du;
@@ -21,8 +22,8 @@ inline double latticeRandom(int x, int y, uint32_t seed) {
   return h / 4294967296.0;
 }
 
-// Value noise in [-1, 1], twice differentiable, period 1 in both coordinates; cells.x by cells.y lattice
-// points.
+// Value noise in [-1, 1], twice differentiable, with period 1 in both coordinates and cells.x by cells.y
+// lattice points.
 inline double periodicNoise(glm::dvec2 p, glm::ivec2 cells, uint32_t seed) {
   const glm::dvec2 q = p * glm::dvec2(cells);
   const glm::dvec2 base = glm::floor(q), f = q - base;
@@ -35,7 +36,7 @@ inline double periodicNoise(glm::dvec2 p, glm::ivec2 cells, uint32_t seed) {
   return 2 * glm::mix(low, high, s.y) - 1;
 }
 
-// Octaves of the same, each twice as fine and half as strong; in (-2, 2).
+// A sum of octaves of periodicNoise, each twice as fine and half as strong as the one before; in (-2, 2).
 inline double periodicFractal(glm::dvec2 p, glm::ivec2 cells, int octaves, uint32_t seed) {
   double sum = 0, strength = 1;
   for (int o = 0; o < octaves; ++o, cells *= 2, strength *= 0.5)

@@ -1,5 +1,5 @@
-// Progress of long work: a bar on stderr when that is a terminal, a line now and then otherwise, nothing if
-// quiet.
+// Shows the progress of long work: a bar on stderr if that is a terminal, otherwise a line from time to time,
+// and nothing if quiet.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Thread safe. `note` stands behind the bar, for example "12.3 Mray/s".
+  // Adds finished work. Thread safe. `note` is shown after the bar, for example "12.3 Mray/s".
   void advance(uint64_t units = 1, const std::string& note = {});
 
  private:

@@ -1,4 +1,4 @@
-// The names and layouts of a baked output's files, shared by its writer and its reader; not installed.
+// The names and layouts of a baked output's files, shared by its writer and its reader. Not installed.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ std::filesystem::path surfacePath(const std::filesystem::path& folder, const std
 
 inline constexpr int kMaxVdimSide = 256;  // zeniths, azimuths, or directions per side, of a VDIM
 
-// The atlas of one view: cells of side x side in rows of `columns`.
+// The layout of the atlas of one view: cells of side x side, in rows of `columns`.
 struct AtlasLayout {
   int side = 0, cells = 0, columns = 0;
   static AtlasLayout forLights(int side, int lights);
@@ -31,11 +31,11 @@ struct AtlasLayout {
   }
 };
 
-// The names of --fill and of bake.json.
+// The names of fill methods in --fill and in bake.json.
 const char* fillName(FillMethod method);
 std::optional<FillMethod> fillByName(const std::string& name);
 
-// bake.json, its bytes the same for the same manifest.
+// The text of bake.json; its bytes are the same for the same manifest.
 std::string manifestText(const BakeManifest& manifest);
 Result<BakeManifest> parseManifest(const std::string& text, const std::string& where);
 

@@ -1,19 +1,21 @@
-// How a bake makes the texels of the Flat-BTF.
+// How a bake computes the texels of the Flat-BTF.
 #pragma once
 
 namespace loden::importer {
 
-// What a view does not see.
+// How texels that a view does not see are filled.
 enum class FillMethod {
-  kPushPull,  // as published (FBTF 3.3)
-  kHarmonic,  // every undefined texel is the mean of its neighbours: no steps, and linear ramps stay linear
-  kNearestView,  // as the texel looks from the nearest view that sees it; push-pull where none does
+  kPushPull,  // push-pull, as published (FBTF 3.3)
+  // Each undefined texel is the mean of its neighbours: no steps, and linear ramps stay linear.
+  kHarmonic,
+  kNearestView,  // the texel's look from the nearest view that sees it; push-pull where no view does
 };
 
-// What it sees.
+// How texels that a view sees are computed.
 enum class TexelMethod {
-  kMean,    // the mean over what the view sees of the texel
-  kLinear,  // read with the linear filter, the map is as close as it can be to all that the view sees
+  kMean,  // the mean over the part of the texel that the view sees
+  // Fitted so that the map, read with the linear filter, is as close as possible to all that the view sees.
+  kLinear,
 };
 
 }  // namespace loden::importer

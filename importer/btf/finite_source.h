@@ -1,4 +1,4 @@
-// A BTF whose values are all finite.
+// A BTF source whose values are all finite.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace loden::importer {
 
-// The source, repaired view by view and noted in the log. Colours that are not finite are replaced channel by
-// channel.
+// The source with repairs, which are made view by view and recorded in the log. Values that are not finite
+// are replaced channel by channel.
 std::unique_ptr<BtfSource> repairedSource(std::unique_ptr<BtfSource> source, std::shared_ptr<RepairLog> log);
 
 }  // namespace loden::importer

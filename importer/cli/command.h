@@ -1,4 +1,5 @@
-// What a verb of the `loden` tool is made of. CLI11, which is slow to compile, stays behind `Options`.
+// The interface of a verb (command) of the `loden` tool. CLI11, which is slow to compile, is hidden behind
+// `Options`.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +16,14 @@ namespace loden::importer {
 // Options that every verb has.
 struct GlobalOptions {
   bool json = false;
-  int threads = 0;  // 0: all
+  int threads = 0;  // 0: as many as there are cores
   bool quiet = false;
   bool verbose = false;
   std::string command_line;  // as typed, for reports
 };
 
-// Options of one verb while it declares them. Every variable must outlive the parse; its value is the default
-// that `--help` shows. `names` as in "-o,--output"; without a dash it is positional.
+// The options of one verb, while it declares them. Every variable must outlive the parse; its value is the
+// default that `--help` shows. `names` are as in "-o,--output"; a name without a dash is positional.
 class Options {
  public:
   struct Impl;
@@ -33,16 +34,17 @@ class Options {
             bool required = false);
   void paths(const std::string& names, std::vector<std::filesystem::path>& value, const std::string& help);
   void integer(const std::string& names, int& value, const std::string& help, int least, int most);
-  void bytes(const std::string& names, uint64_t& value, const std::string& help);  // "614400", "600k", "1.5M"
+  // A number of bytes such as "614400", "600k" or "1.5M".
+  void bytes(const std::string& names, uint64_t& value, const std::string& help);
   void number(const std::string& names, double& value, const std::string& help,
               bool infinite = false);  // never NaN
   void flag(const std::string& names, bool& value, const std::string& help);
-  // One of the given words.
+  // An option whose value is one of the given words.
   void choice(const std::string& names, std::string& value, const std::vector<std::string>& words,
               const std::string& help, bool required = false);
-  // Commas between, or the option several times.
+  // An option with several values, separated by commas or given several times.
   void texts(const std::string& names, std::vector<std::string>& value, const std::string& help);
-  // Shown under the options.
+  // Sets the text shown below the options.
   void footer(const std::string& text);
 
  private:
@@ -58,7 +60,8 @@ class Command {
   virtual int run(const GlobalOptions& globals) = 0;  // returns an ExitCode
 };
 
-// Parses, runs the verb, and returns the process's exit code. Usage errors are explained on stderr.
+// Parses the command line, runs the verb, and returns the process's exit code. Usage errors are explained on
+// stderr.
 int runCommandLine(int argc, char** argv, const std::vector<std::unique_ptr<Command>>& commands);
 
 std::unique_ptr<Command> makeBakeCommand();

@@ -1,4 +1,4 @@
-// What a path on the command line is: verbs that take several kinds of input share this.
+// The kind of input that a path on the command line names; used by verbs that accept several kinds.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@ namespace loden::importer {
 
 enum class InputKind { kMissing, kBakedOutput, kAsset, kGltf, kPicture, kUnknown };
 
-// A folder with bake.json, or by extension: .loden; .gltf, .glb; .exr, .png, .jpg, .jpeg, .hdr, .tif, .tiff,
-// .webp.
+// The kind of input at a path: kBakedOutput is a folder with bake.json, the others are known by their
+// extensions: .loden; .gltf, .glb; .exr, .png, .jpg, .jpeg, .hdr, .tif, .tiff, .webp.
 InputKind inputKind(const std::filesystem::path& path);
 
 }  // namespace loden::importer

@@ -1,14 +1,14 @@
-// Ctrl-C ends the process with exit code 130 and never in the middle of a final write.
+// Interrupts: Ctrl-C ends the process with exit code 130, but never in the middle of a final write.
 #pragma once
 
 namespace loden::importer {
 
-// From now on SIGINT and SIGTERM are received by a thread of their own, which waits for open commits and
-// exits with 128 + the signal's number. Call once, before any other thread starts (they inherit the signal
-// mask).
+// Lets a thread of its own receive SIGINT and SIGTERM. It waits for open commits and exits with 128 + the
+// signal's number. Call this once, before any other thread starts, since threads inherit the signal mask.
 void watchInterrupts();
 
-// While one lives, the process is not ended by a signal: stands around "write temporary file, rename".
+// While an object of this class lives, signals do not end the process; use it around "write temporary file,
+// rename".
 class CommitScope {
  public:
   CommitScope();

@@ -1,4 +1,5 @@
-// Programs that stand beside this one: what links OpenGL is never linked here, but may be run.
+// Finds and runs programs in the folder of this program. Code that needs OpenGL is never linked into this
+// program, but can be run in this way.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +8,11 @@
 
 namespace loden::importer {
 
-// The executable of that name in this executable's folder; empty if it is not there.
+// The executable of that name in this executable's folder; empty if there is none.
 std::filesystem::path siblingProgram(const std::string& name);
 
-// Runs it in place of this process, with the signals a new process has. Comes back only if that fails.
+// Runs the program in place of this process, with the signal handling of a new process. Returns only if that
+// fails.
 void becomeProgram(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
 }  // namespace loden::importer

@@ -1,4 +1,5 @@
-// The options of bake and trace that say how a tile is made of a mesh file: both must be given the same.
+// The options of `bake` and `trace` that say how a tile is made from a mesh file. Both commands must get the
+// same ones.
 #pragma once
 
 #include <string>

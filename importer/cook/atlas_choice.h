@@ -1,5 +1,5 @@
-// Which VDIM atlas suits a tile: texels against directions at equal bytes, then fewer bytes, by the error of
-// the shader's lookup.
+// Chooses the size of a tile's VDIM atlas by measuring the error of the shader's look-up: first how to split
+// given bytes into texels and directions, then how few bytes are enough.
 #pragma once
 
 #include <vector>
@@ -9,28 +9,31 @@
 
 namespace loden::importer {
 
-// With a geometry image of 128 x 128 and a closest-point volume, .5 MB. More bytes gain little: what the
-// lookup then misses depends on the number of its candidates.
+// The most bytes of the atlas's depths. With a geometry image of 128 x 128 and a closest-point volume this
+// makes .5 MB. More bytes gain little, since the look-up's misses then depend on the number of its
+// candidates.
 inline constexpr uint64_t kMostAtlasBytes = 400'000;  // of the depths
 
 struct AtlasTrial {
   VdimAtlasSize size;
-  LookupError error;  // of the default lookup
+  LookupError error;  // error of the default look-up
 };
 
 struct AtlasChoice {
   VdimAtlasSize size;
-  std::vector<AtlasTrial> trials;  // fewest directions first, then the smaller ones, largest first
+  // First the candidates, fewest directions first; then the smaller sizes, largest first.
+  std::vector<AtlasTrial> trials;
 };
 
-// The splits that are tried: even numbers of directions per side, each with the most texels that
-// kMostAtlasBytes have room for.
+// The splits that are tried: even numbers of directions per side, each with as many texels as kMostAtlasBytes
+// allow.
 std::vector<VdimAtlasSize> atlasCandidates();
 
-// The candidate whose product of mean error and share over a texel is least: how often the lookup misses and
-// how far off it then is weigh alike. Then half, a quarter and an eighth of the bytes, split alike, as long
-// as that leaves the product nearly what it was: a shallow tile needs no large atlas. `side`: reference
-// texels per tile period. Deterministic at any number of threads.
+// The chosen size. First the candidate with the least product of mean error and share of errors over a texel
+// is found, which weighs equally how often the look-up misses and by how much. Then half, a quarter and an
+// eighth of its bytes, split in the same way, are tried as long as the product stays nearly as it was, since
+// a shallow tile needs no large atlas. `side`: reference texels per tile period. Deterministic at any number
+// of threads.
 AtlasChoice chooseAtlas(const GeometryImage& geometry, int side, int threads);
 
 }  // namespace loden::importer

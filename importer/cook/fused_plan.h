@@ -1,4 +1,4 @@
-// What a fused asset is made of: the choices that trade bytes for error.
+// The plan of a fused asset: the choices that trade bytes for error.
 #pragma once
 
 #include <optional>
@@ -17,54 +17,64 @@
 namespace loden::importer {
 
 struct FusedPlan {
-  // Texels per side of the near term's maps, those of the baked ones or a 2^n-th; 0: no near term, but a
-  // flat-domain band, which the next fields up to `phis` describe.
+  // Texels per side of the near term's maps: those of the baked maps or these divided by a power of two. 0:
+  // no near term, but a flat-domain band, which the fields with that note describe.
   int surface_side = 0;
-  std::optional<Visibility> visibility = {};  // of the near term; empty: what measures best
-  int bounces =
-      0;  // above 0: the near term has light that the tile reflects so often, where it is closer by it
-  int y_components = 20;  // of the flat-domain band
-  int chroma_components =
-      0;  // of Cb and of Cr each, for what a ratio to Y leaves: highlights without the surface's colour
-  Storage storage = Storage::kSnorm8;  // of the flat-domain band
-  double flat_scale = 1;               // flat texels per reference texel, along one side; 1/2, 1, 2
-  int phis = 11;                       // columns of its direction grid, the repeated one counted
-  int coarse_y = 20;     // of the reference-domain band; 0: leave it out (nothing at lambda 0 reads it)
-  int coarse_phis = 18;  // at most; see averageGrid
-  int levels = 0;  // finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average
-  int geometry_side = 0;  // of the geometry image; 0: as baked
-  int sweeps = 6;         // of the joint fit
-  std::optional<VdimAtlasSize> atlas =
-      {};  // of the lookup that is fitted through; empty: chosen by measuring (atlas_choice.h)
+  // Visibility of the near term; empty: the one that measures best.
+  std::optional<Visibility> visibility = {};
+  // Above 0: the near term includes light that the tile reflects so many times, if that brings it closer to
+  // the BTF.
+  int bounces = 0;
+  int y_components = 20;  // flat-domain band: Y components
+  // Flat-domain band: components of Cb and of Cr each, for the part of the chroma that a ratio to Y does not
+  // give, such as highlights without the surface's colour.
+  int chroma_components = 0;
+  Storage storage = Storage::kSnorm8;  // flat-domain band: how it is stored
+  double flat_scale = 1;  // flat-domain band: flat texels per reference texel along one side; 1/2, 1, 2
+  int phis = 11;          // flat-domain band: columns of the direction grid, including the repeated one
+  // Y components of the reference-domain band; 0: no such band (nothing at lambda 0 reads it).
+  int coarse_y = 20;
+  int coarse_phis = 18;  // reference-domain band: most columns of the direction grid; see averageGrid
+  // Number of finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average.
+  int levels = 0;
+  int geometry_side = 0;  // texels per side of the geometry image; 0: as baked
+  int sweeps = 6;         // sweeps of the joint fit of the flat-domain band
+  // Size of the VDIM atlas of the look-up through which bands are fitted; empty: chosen by measuring
+  // (importer/cook/atlas_choice.h).
+  std::optional<VdimAtlasSize> atlas = {};
 };
 
-// Flat texels along one side, for a reference side.
+// The flat texels along one side, for `side` reference texels.
 int flatSide(const FusedPlan& plan, int side);
 
-// RMSE of Y at lambda 0 with light that comes by way of the tile, and without; it is kept where that is less.
+// RMSE of Y at lambda 0 with light that arrives by way of the tile, and without it. The light is kept if the
+// RMSE is less with it.
 struct IndirectTrial {
   double with = 0, without = 0;
 };
 
 struct FusedFit {
   Material material;
-  // At lambda 0 and sampled directions through the shader's default lookup; with a near term at random ones
-  // of these, of the mean of four evaluations a texel.
+  // The error at lambda 0 and the sampled directions through the shader's default look-up. With a near term
+  // it is that of random samples, as the mean of four evaluations per texel.
   BtfError error;
-  std::optional<SampledError> near, near_at_centres;  // with a near term: of four evaluations, and of one
-  std::optional<IndirectTrial> indirect;              // where the plan has bounces
-  std::vector<LevelTrial> levels;                     // that what each level is shown by was chosen by
-  std::vector<AtlasTrial> atlases;                    // that were measured, if the plan names none
+  // With a near term: the error of four evaluations per texel, and of one.
+  std::optional<SampledError> near, near_at_centres;
+  std::optional<IndirectTrial> indirect;  // if the plan has bounces
+  std::vector<LevelTrial> levels;         // the measurements by which it was chosen what shows each level
+  std::vector<AtlasTrial> atlases;        // the atlases that were measured, if the plan names none
 };
 
-// `geometry` is already at plan.geometry_side; `surface` is there if the plan has a near term. Deterministic
-// at any number of threads. lab_every: as in measureError. The progress advances by kFusedSteps in all.
+// Fits the plan. `geometry` is already at plan.geometry_side; `surface` is given if the plan has a near term.
+// Deterministic at any number of threads. `lab_every` is that of measureError. `progress` advances by
+// kFusedSteps in all.
 inline constexpr uint64_t kFusedSteps = 13;
 FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
                   const FusedPlan& plan, int threads, int lab_every = 0,
                   const BakedSurface* surface = nullptr, Progress* progress = nullptr);
 
-// Raw bytes that the file of a plan holds at most, without fitting it; exact for coarse_phis as chosen.
+// The most raw bytes that the file of a plan holds, computed without fitting it; exact if coarse_phis is the
+// number that averageGrid chooses.
 uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// A goal in bytes or in error, met by measuring candidate plans.
+// Finds a plan that meets a goal in bytes or in error, by measuring candidate plans.
 #pragma once
 
 #include <functional>
@@ -17,11 +17,13 @@ struct TradePoint {
 
 struct Goal {
   uint64_t max_bytes = 0;  // 0: none
-  double target_rmse = 0;  // of Y; 0: none
-  int levels = 0;  // FusedPlan::levels of every plan: the error is measured at lambda 0, where no other level
-                   // is read, so it cannot choose them
-  int surface_side = 0;  // of the baked maps that a near term is made of; 0: plans have a flat-domain band
-  int bounces = 0;       // FusedPlan::bounces of every plan
+  double target_rmse = 0;  // RMSE of Y; 0: none
+  // FusedPlan::levels of every plan. The search cannot choose it, since the error is measured at lambda 0,
+  // where no other level is read.
+  int levels = 0;
+  // Texels per side of the baked maps from which a near term is made; 0: plans have a flat-domain band.
+  int surface_side = 0;
+  int bounces = 0;  // FusedPlan::bounces of every plan
 };
 
 struct Choice {
@@ -30,19 +32,20 @@ struct Choice {
 };
 
 // The plan with the least error within max_bytes, or with the fewest bytes at target_rmse (within max_bytes
-// if both are given). 16 bits are tried last, for the best plan of 8: they halve an error of rounding that
-// more components or texels outweigh as long as there are more to have. `measure` fits a plan and returns the
-// RMSE of Y. Fails with kGoal where no plan can meet the goal, and says what the nearest plan gives.
+// if both are given). 16 bits are tried last, for the best plan of 8 bits, because they halve the rounding
+// error, which more components or texels outweigh as long as there is room for more of them. `measure` fits a
+// plan and returns the RMSE of Y. Issues: kGoal if no plan can meet the goal; it says what the nearest plan
+// gives.
 Result<Choice> choosePlan(const Goal& goal, int side, int geometry_side,
                           const std::function<Result<double>(const FusedPlan&)>& measure);
 
-// Most calls of `measure` that choosePlan makes.
+// The most calls of `measure` that choosePlan makes.
 int mostTrials(const Goal& goal, int geometry_side);
 
-// The most frugal plan of the search.
+// The plan with the fewest bytes in the search.
 FusedPlan smallestPlan(int geometry_side);
 
-// The measured plans that no other beats in both bytes and error, by bytes.
+// The Pareto front by bytes: the measured plans that no other beats in both bytes and error.
 std::vector<TradePoint> paretoFront(std::vector<TradePoint> points);
 
 }  // namespace loden::importer

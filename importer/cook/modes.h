@@ -1,4 +1,5 @@
-// The three modes of cook(), one function each (design: the one equation and its special cases).
+// The three modes of cook(), one function each; each is a special case of the equation in
+// material/model/material.h.
 #pragma once
 
 #include <functional>
@@ -13,23 +14,24 @@ namespace loden::importer {
 // The geometry image of a baked output, reduced to `side` by 2 x 2 means (0: as baked).
 Result<GeometryImage> geometryOf(const BakedOutput& input, int side);
 
-// Refuses more levels than a side has; 0 stands for the preset's.
+// Checks that a side has so many levels; 0 stands for the preset's.
 Status checkLevels(int levels, int side);
 
-// LBTF: bands in the reference domain. Preset seed as published, the others improved.
+// Cooks mode lod (LBTF): bands in the reference domain. Preset kSeed is as published, the others are
+// improved.
 Result<Material> cookLod(const BtfSource& source, const CookOptions& options);
-// The same from data that is in memory already, without measuring. The progress advances by kLodSteps in all.
+// Fits mode lod to data in memory, without measuring the error. `progress` advances by kLodSteps in all.
 inline constexpr uint64_t kLodSteps = 8;
 Result<Material> fitLod(const BtfSource& source, const YccBtf& btf, const CookOptions& options,
                         Progress* progress = nullptr);
 
-// The near term, or fine bands in the flat domain; coarse bands in the reference domain.
-// A goal in `options` chooses the plan by measuring candidates.
-using GeometryReader = std::function<Result<GeometryImage>(int side)>;  // geometryOf of the input
+// Cooks mode fused: the near term, or fine bands in the flat domain, and coarse bands in the reference
+// domain. A goal in `options` chooses the plan by measuring candidates.
+using GeometryReader = std::function<Result<GeometryImage>(int side)>;  // calls geometryOf for the input
 Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry,
                            const BakedSurface& surface, const CookOptions& options);
 
-// FBTF's GPU mode: one analytic appearance read at VDIM(x, wo).
+// Cooks mode surface (FBTF's GPU mode): the near term alone, read at VDIM(x, wo).
 Result<Material> cookSurface(const BakedOutput& input, const CookOptions& options);
 
 }  // namespace loden::importer

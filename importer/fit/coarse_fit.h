@@ -1,5 +1,5 @@
-// The reference-domain band that takes over where texels shrink: apparent reflectance, masking and shadowing
-// included, from half the resolution down to the full average.
+// Fits the reference-domain band that is used where texels are small on the screen. It holds apparent
+// reflectance, masking and shadowing included, from half the resolution down to the full average.
 #pragma once
 
 #include "importer/fit/band_pack.h"
@@ -8,23 +8,24 @@
 namespace loden::importer {
 
 struct CoarseFitOptions {
-  int y_components = 20;  // the first carries the average
+  int y_components = 20;  // number of Y components, of which the first holds the average
   DirectionGrid grid;
   int threads = 0;
 };
 
-// Factors over `half`, the finest level that the band gives. One basis serves all mips of the weights (the
-// value is linear in them), so it is chosen for the errors of all levels together, each counting twice as
-// much as the finer one before it, as its error shows on ever larger areas: a basis for the finest level
-// alone spends itself on what averages away. Tables are solved on the grid. `mean`: value to take away,
-// (views * lights) x 3.
+// The band's factors over `half`, the finest level that the band gives. One basis serves all mips of the
+// weights (the value is linear in them). Therefore it is chosen for the errors of all levels together, each
+// counting twice as much as the finer one before it, since its error is visible over larger areas; a basis
+// for the finest level alone would be spent on detail that averages out. Tables are solved on the grid.
+// `mean`: the value to subtract, (views * lights) x 3.
 BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views,
                       const Matrix& mean, const CoarseFitOptions& options);
 
-// The grid of at most `phis` columns that gives the full average best. There all components but the first
-// have no weight, so a coarse band's error is what this one table misses; and where the columns fall among
-// the samples of the rings decides that: 17 columns can beat 18. Tries the last few numbers of columns.
-// `means`: of the images, `mean`: what is taken away, both (views * lights) x 3.
+// The grid of at most `phis` columns that gives the full average best. At the full average all components but
+// the first have weight zero, so that a coarse band's error is the error of this one table. It depends on
+// where the columns fall among the samples of the rings: 17 columns can be better than 18. The last few
+// numbers of columns are tried. `means`: the means of the images; `mean`: the value to subtract; both (views
+// * lights) x 3.
 DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const DirectionSet& lights,
                           const DirectionSet& views, int phis);
 

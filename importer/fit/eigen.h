@@ -1,4 +1,4 @@
-// Matrix as Eigen sees it. Only .cpp files that compute include this.
+// Matrix as an Eigen map. Only .cpp files that compute include this.
 #pragma once
 
 #include <Eigen/Core>

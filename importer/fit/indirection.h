@@ -1,5 +1,5 @@
-// A_v of the joint fit: for each view a sparse matrix that reads a flat map at VDIM(x, wo) for every
-// reference texel x, with the bilinear filter that the shader uses.
+// The matrices A_v of the joint fit: for each view a sparse matrix that reads a flat map at VDIM(x, wo) for
+// every reference texel x, with the bilinear filter of the shader.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace loden::importer {
 
-// p = VDIM(x, wo), unwrapped; called from several threads.
+// Returns p = VDIM(x, wo), unwrapped; called from several threads.
 using IndirectionLookup = std::function<glm::dvec2(glm::dvec2 x, const glm::dvec3& wo)>;
 
 struct Indirection {
@@ -31,11 +31,11 @@ struct Indirection {
   void addTransposed(int view, const Matrix& values, Matrix& sum) const;
 };
 
-// Looks up the centres of side x side reference texels for every view.
+// The indirection of a look-up, at the centres of side x side reference texels for every view.
 Indirection makeIndirection(int side, int flat_side, const DirectionSet& views,
                             const IndirectionLookup& lookup, int threads);
 
-// Reads every texel where it is, in every view.
+// The identity: every texel reads the flat texel of its own index, in every view.
 Indirection identityIndirection(int texels, int views);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// Nonlinear least squares with bounds: the one place that sets up the solver.
+// Nonlinear least squares with bounds; the only place that sets up the solver.
 #pragma once
 
 #include <functional>
@@ -9,14 +9,14 @@ namespace loden::importer {
 
 struct LeastSquares {
   int residuals = 0;
-  // Residuals at q; jacobian: residuals x q, row-major, or empty where it is not asked for. Returns whether
-  // it could.
+  // Computes the residuals at q, and the jacobian, residuals x q and row-major, unless it is empty. Returns
+  // whether that was possible.
   std::function<bool(std::span<const double> q, std::span<double> residual, std::span<double> jacobian)>
       evaluate;
-  std::vector<double> lower, upper;  // one per parameter, infinite where there is none
+  std::vector<double> lower, upper;  // bounds, one per parameter; infinite where there is none
 };
 
-// Levenberg-Marquardt from q, which becomes the solution. Returns half the sum of squares there.
+// Minimises by Levenberg-Marquardt from q, which becomes the solution. Returns half the sum of squares there.
 double minimise(const LeastSquares& problem, std::span<double> q);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// How far the shader's lookup is from the exact first hit on the geometry image.
+// Measures the distance of the shader's VDIM look-up from the exact first hit on the geometry image.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,7 +8,7 @@
 
 namespace loden::importer {
 
-// Between points of a tile that repeats, tile periods.
+// The distance between points of a periodic tile, in tile periods.
 inline double periodicDistance(const glm::dvec2& a, const glm::dvec2& b) {
   const glm::dvec2 d = a - b;
   return glm::length(d - glm::round(d));
@@ -16,17 +16,17 @@ inline double periodicDistance(const glm::dvec2& a, const glm::dvec2& b) {
 
 struct LookupError {
   double mean_texels = 0;   // distance of the two points' (x, y), in reference texels
-  double over_1_texel = 0;  // share of the views that are further off than a texel
-  double fetches = 0;       // per lookup, on average
+  double over_1_texel = 0;  // share of the look-ups that are off by more than a texel
+  double fetches = 0;       // texture fetches per look-up, on average
 };
 
-// 65,536 random points and views, uniform in solid angle up to kThetaMax, and what they meet; rays that meet
-// nothing are left out.
+// 65,536 random points and views, uniform in solid angle up to kThetaMax, with their exact hits. Rays that
+// meet nothing are left out.
 class LookupProbe {
  public:
   // `side`: reference texels per tile period. The image must outlive the probe.
   LookupProbe(const GeometryImage& geometry, int side, int threads);
-  // Of an atlas of the same image.
+  // The error of a look-up in an atlas of the same image.
   LookupError measure(const VdimAtlas& atlas, Lookup lookup) const;
 
  private:

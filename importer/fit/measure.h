@@ -1,5 +1,6 @@
-// The error of a material against its input at the sampled directions and texel centres, by the algebra of
-// its stored bands (equal to the evaluator, which a test holds it to, at a fraction of the time).
+// Measures the error of a material against its input at the sampled directions and texel centres, by matrix
+// products of its stored bands. The result equals that of the evaluator, as a test checks, in a fraction of
+// the time.
 #pragma once
 
 #include <string>
@@ -15,7 +16,8 @@ struct FitError {
   double rmse() const;
 };
 
-// Lab distances (CIE76, material/model/color.h), those of black samples of the BTF also apart.
+// Sums of Lab distances (CIE76, material/model/color.h), with those of black samples of the BTF also summed
+// apart.
 struct LabSums {
   double lab = 0, black_lab = 0;
   int64_t count = 0, black_count = 0;
@@ -24,19 +26,20 @@ struct LabSums {
   double blackMean() const { return black_count ? black_lab / double(black_count) : 0; }
   double litMean() const { return count > black_count ? (lab - black_lab) / double(count - black_count) : 0; }
 };
-// Of one view's values, texels x lights for each of Y, Cb, Cr, at every n-th light, from light `view` modulo
-// n; colours below zero count as zero.
+// The Lab distances of one view's values, texels x lights for each of Y, Cb, Cr, at every n-th light,
+// starting at light `view` modulo n. Colours below zero count as zero.
 LabSums labOfView(const YccBtf& btf, int view, const Matrix (&value)[3], int every);
 
 struct BtfError {
   FitError channel[3];  // Y, Cb, Cr over all texels and pairs
   // Per image: the smallest and largest mean square error.
   double min_image_mse[3] = {0, 0, 0}, max_image_mse[3] = {0, 0, 0};
-  LabSums lab;  // where it is asked for
+  LabSums lab;  // only if lab_every is not 0
 };
 
-// At lambda 0, of modes kLod and kFused. `a`: the flat domain's lookup; may be empty if no band is flat.
-// lab_every: of every n-th light of each view the Lab distance too, which takes long; 0: none.
+// The error at lambda 0 of a material of mode kLod or kFused. `a`: the look-up of the flat domain; may be
+// empty if no band is flat. lab_every: if n > 0, the Lab distance is measured at every n-th light of each
+// view, which takes long; 0: not at all.
 BtfError measureError(const Material& material, const YccBtf& btf, const DirectionSet& lights,
                       const DirectionSet& views, const Indirection& a, int threads, int lab_every = 0);
 

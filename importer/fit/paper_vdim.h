@@ -1,4 +1,4 @@
-// From the displacements of a baked output to the published indirection map.
+// Packs the displacements of a baked output into the published indirection map.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,7 +8,8 @@
 
 namespace loden::importer {
 
-// `vdim` is [zenith][azimuth][texel] p - x, as BakedOutput::vdim returns it; 16 bits per channel.
+// The packed map. `vdim` is [zenith][azimuth][texel] p - x, as BakedOutput::vdim returns it; 16 bits per
+// channel.
 PaperVdim packPaperVdim(const std::vector<glm::vec2>& vdim, int side, int zeniths, int azimuths);
 
 }  // namespace loden::importer

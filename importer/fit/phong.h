@@ -1,4 +1,4 @@
-// The fitted mean: Levenberg-Marquardt on LBTF eq. 5 for Y, constants or ratios for Cb and Cr.
+// Fits the mean mu: Levenberg-Marquardt on LBTF eq. 5 for Y, constants or ratios for Cb and Cr.
 #pragma once
 
 #include "importer/fit/matrix.h"
@@ -14,14 +14,14 @@ struct PhongOptions {
 
 struct PhongFit {
   PhongMean mean;
-  double rmse = 0;  // of Y over the samples
+  double rmse = 0;  // RMSE of Y over the samples
 };
 
-// `means`: (views * lights) x 3 of Y, Cb, Cr; row = view * lights + light.
+// The fitted mean. `means`: (views * lights) x 3 of Y, Cb, Cr; row = view * lights + light.
 PhongFit fitPhong(const Matrix& means, const DirectionSet& lights, const DirectionSet& views,
                   const PhongOptions& options);
 
-// (views * lights) x 3 of the fitted mean at the samples.
+// The values of the fitted mean at the samples: (views * lights) x 3.
 Matrix sampleMean(const PhongMean& mean, const DirectionSet& lights, const DirectionSet& views);
 
 }  // namespace loden::importer

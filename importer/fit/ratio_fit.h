@@ -1,4 +1,5 @@
-// Chroma as a ratio to luma per flat texel: Cb = a_p Y (holds where a point's colour is one albedo).
+// Fits chroma as a ratio to luma per flat texel: Cb = a_p Y, which holds where a point's colour is one
+// albedo.
 #pragma once
 
 #include <vector>
@@ -10,22 +11,21 @@
 
 namespace loden::importer {
 
-// Minimises sum over views and lights of (Y_v + .02)^(-4/3) |(A_v r) Y_v - C_v|^2 for the Y that the asset
-// gives: as Lab sees it.
-// `luma`, `chroma`: texels x (views * lights). `start` fills texels that no view sees. Returns flat_texels
-// values.
+// The ratios r, one per flat texel, that minimise the sum over views and lights of (Y_v + .02)^(-4/3) |(A_v
+// r) Y_v - C_v|^2 for the Y that the asset gives, which approximates distances in Lab. `luma`, `chroma`:
+// texels x (views * lights). `start` fills texels that no view sees.
 std::vector<double> fitRatio(const ColumnBlocks& luma, const ColumnBlocks& chroma, const Indirection& a,
                              double start, int threads);
 
-// The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` as sampleMean gives
-// it. All must outlive it.
+// The luma that an asset gives: `mean` + (A_v weights) basis^T, clamped at zero; `mean` is the result of
+// sampleMean. All arguments must outlive it.
 ColumnBlocks wholeLuma(const YccBtf& btf, const Factors& luma, const Matrix& mean, const Indirection& a);
 
-// (Cb/Y, Cr/Y) per flat texel for the luma that the asset gives.
+// (Cb/Y, Cr/Y) per flat texel for the luma that the asset gives, fitted by fitRatio.
 std::vector<glm::dvec2> fitRatios(const YccBtf& btf, const ColumnBlocks& luma, const PhongMean& phong,
                                   const Indirection& a, int threads);
 
-// What the ratios leave of channel 1 (Cb) or 2 (Cr). All must outlive it.
+// The residual of channel 1 (Cb) or 2 (Cr) after the ratios. All arguments must outlive it.
 ColumnBlocks ratioResidual(const YccBtf& btf, int channel, const ColumnBlocks& luma,
                            const std::vector<glm::dvec2>& ratios, const Indirection& a);
 

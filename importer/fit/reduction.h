@@ -1,5 +1,5 @@
-// Sums whose result does not depend on the number of threads: over fixed blocks first, then over blocks in
-// order.
+// Sums whose result does not depend on the number of threads: first within fixed blocks, then over the blocks
+// in order.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace loden::importer {
 
 inline constexpr int kReductionBlocks = 8;
-// Block b of `count` items is [blockBegin(count, b), blockBegin(count, b + 1)).
+// The first item of block b of `count` items; block b is [blockBegin(count, b), blockBegin(count, b + 1)).
 inline int blockBegin(int count, int b) {
   return static_cast<int>(int64_t{count} * b / kReductionBlocks);
 }

@@ -1,5 +1,5 @@
-// The error of a material against its input by the evaluator, at random texels, lights and views of the
-// input.
+// Measures the error of a material against its input by the evaluator, at random texels, lights and views of
+// the input.
 #pragma once
 
 #include "importer/fit/measure.h"
@@ -10,12 +10,13 @@ namespace loden::importer {
 
 struct SampledError {
   FitError channel[3];  // Y, Cb, Cr
-  double lab = 0;       // mean distance, CIE76
+  double lab = 0;       // mean Lab distance, CIE76
 };
 
-// A texel of a BTF is the mean over its area; the material is the mean of points x points evaluations in it,
-// at the level of detail where one texel covers the distance between them. `samples` in all; the same ones
-// for every material of a BTF's size. Deterministic at any number of threads.
+// The error at `samples` random samples, which are the same for every material of a BTF's size. Since a texel
+// of a BTF is the mean over its area, the material's value is the mean of points x points evaluations in the
+// texel, at the level of detail where one texel covers the distance between them. Deterministic at any number
+// of threads.
 SampledError sampledError(const Evaluator& evaluator, const YccBtf& btf, const DirectionSet& lights,
                           const DirectionSet& views, int points, int samples, int threads);
 

@@ -1,5 +1,6 @@
-// The table step of the joint fit: for given weights D each view's table E_v solves a small least-squares
-// problem. Internal to the fits, and the one header there that shows Eigen.
+// The table step of the joint fit: for given weights D each view's table E_v is the solution of a small
+// least-squares problem. Internal to the fits; besides importer/fit/eigen.h the only header that exposes
+// Eigen.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +9,7 @@
 
 namespace loden::importer {
 
-// Normal equations of one view, in double.
+// The normal equations of one view, in double.
 struct ViewProducts {
   Eigen::MatrixXd gram;                          // M^T M, M = A_v D: k x k
   Eigen::MatrixXd cross;                         // M^T B_v: k x lights

@@ -1,4 +1,4 @@
-// What a uri of a glTF document, or its binary chunk, stands for.
+// The bytes that a URI of a glTF document, or its binary chunk, stands for.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@ namespace loden::importer {
 
 class GltfResource {
  public:
-  // Of a data uri or of a file that stays in `folder`. Files are opened, not read: kGltfPath, kCannotOpen; a
-  // data uri that is no base64 is kGltfParse.
+  // The resource of a data URI or of a file inside `folder`. Files are opened but not read. Issues:
+  // kGltfPath, kCannotOpen; kGltfParse if a data URI is not valid base64.
   static Result<GltfResource> open(const std::string& uri, const std::filesystem::path& folder,
                                    const std::string& where);
   static GltfResource of(std::string bytes);
 
   uint64_t size() const { return size_; }
-  // `length` bytes from `offset` on; they must lie within size(). kCannotRead.
+  // `length` bytes from `offset` on, which must lie within size(). Issues: kCannotRead.
   Result<std::string> read(uint64_t offset, uint64_t length) const;
 
  private:
-  std::string bytes_;           // of what is no file
-  std::filesystem::path file_;  // or empty
+  std::string bytes_;           // the bytes, if it is not a file
+  std::filesystem::path file_;  // the file, or empty
   uint64_t size_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// What the texture coordinates of a material's surfaces measure, where the scene's nodes put these. Not
-// installed.
+// Measures the texture coordinates of a material's surfaces, at the places where the scene's nodes put them.
+// Not installed.
 #pragma once
 
 #include "importer/gltf/gltf_accessor.h"
@@ -8,9 +8,9 @@
 
 namespace loden::importer {
 
-// Of every triangle of the default scene that wears the material. Skinned meshes are taken in the pose that
-// their skin was made in. What cannot be read, such as compressed meshes, is left out: then there may be
-// nothing.
+// The survey of every triangle of the default scene that has the material. Skinned meshes are taken in the
+// pose in which their skin was made. Meshes that cannot be read, such as compressed ones, are left out, so
+// that the survey may be empty.
 UvSurvey surveyUvs(const nlohmann::ordered_json& scene, GltfBuffers& buffers, int64_t material,
                    int tex_coord);
 

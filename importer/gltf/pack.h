@@ -1,4 +1,4 @@
-// Puts a material into a glTF scene: extension LODEN_materials_flat_btf (importer/gltf/README.md).
+// Puts a material into a glTF scene, by the extension LODEN_materials_flat_btf (importer/gltf/README.md).
 #pragma once
 
 #include <filesystem>
@@ -15,41 +15,43 @@ struct PackOptions {
   std::filesystem::path scene;   // .gltf or .glb
   std::string material;          // name of the material that gets the extension
   std::filesystem::path asset;   // .loden
-  std::filesystem::path output;  // the same kind of file as `scene`
-  bool embed = false;            // into a bufferView; otherwise by uri, beside the output
-  int tex_coord = 0;             // TEXCOORD_n that gives x
-  // Tile periods per unit of texture coordinate; none: so many that a period is as long as the next member
-  // says on the material's surfaces.
+  std::filesystem::path output;  // a file of the same kind (.gltf or .glb) as `scene`
+  // Puts the asset into a bufferView; otherwise it is referenced by URI, beside the output.
+  bool embed = false;
+  int tex_coord = 0;  // TEXCOORD_n that gives x
+  // Tile periods per unit of texture coordinate; empty: computed so that a period has the length `period` on
+  // the material's surfaces.
   std::optional<glm::dvec2> scale;
-  double period = 0;    // metres along the tile's x; 0: as the asset says, and scale 1 if it does not
+  // Length of a period along the tile's x, metres; 0: as the asset says, or scale 1 if it does not.
+  double period = 0;
   double rotation = 0;  // radians, as in KHR_texture_transform
-  // Replace all that the material looks like, too: pbrMetallicRoughness and sheen fitted to the asset, its
-  // colours and normals as textures, nothing of what there was.
+  // Replaces the whole look of the material for other viewers: pbrMetallicRoughness and sheen are fitted to
+  // the asset, with its colours and normals as textures, and nothing of the old look is kept.
   bool fit_fallback = false;
 };
 
 struct PackReport {
   int material = 0;             // index in the scene
-  std::string asset_reference;  // uri, or "bufferView N"
+  std::string asset_reference;  // the URI, or "bufferView N"
   bool fallback_fitted = false;
   glm::dvec2 scale{1};  // as written
-  // Metres of one tile along its x and y, the median over the material's surfaces; 0: they cannot be
+  // The metres of one tile along its x and y, as the median over the material's surfaces; 0: they cannot be
   // measured.
   glm::dvec2 period{0};
-  double stretch = 1;  // UvSurvey::Stretch, of the scale as written
+  double stretch = 1;  // UvSurvey::Stretch::most for the scale as written
   double stretched_share = 0;
-  std::vector<std::string> remarks;          // what the caller should be told
+  std::vector<std::string> remarks;          // messages for the caller to show
   std::vector<std::filesystem::path> files;  // written or copied
 };
 
-// Everything else in the scene stays as it is. If the output lies in another folder, buffers and images that
-// the scene names by uri are copied beside it. No file of other bytes is overwritten: an asset whose name is
-// taken gets its hash into the name, a buffer or image is refused (kExists). The scene itself is written
-// last, whole or not at all. Too little memory is kMemory.
+// Packs the asset. Everything else in the scene stays as it is. If the output is in another folder, buffers
+// and images that the scene names by URI are copied beside it. No file is overwritten by different bytes: if
+// the asset's name is taken, its hash is added to the name; a buffer or image in the same situation is
+// refused (kExists). The scene itself is written last, whole or not at all. Too little memory is kMemory.
 Result<PackReport> pack(const PackOptions& options);
 
-// Issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to; no
-// result (kCannotOpen, kCannotRead) if the scene itself cannot be read.
+// The issues of a scene's use of the extension, of its buffers' sizes, and of the assets that it refers to.
+// No result (kCannotOpen, kCannotRead) if the scene itself cannot be read.
 Result<std::vector<Issue>> validateGltf(const std::filesystem::path& path);
 
 }  // namespace loden::importer

@@ -1,5 +1,4 @@
-// The parts of what `loden validate` says; the whole about a scene is validateGltf in importer/gltf/pack.h.
-// Not installed.
+// Parts of `loden validate`; validateGltf in importer/gltf/pack.h validates a whole scene. Not installed.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +11,11 @@
 
 namespace loden::importer {
 
-// validateAsset, and a warning (kPrefix) if the asset is sound and ends before its last chunk: whoever draws
-// it gets a coarser material.
+// The issues of validateAsset, and a warning (kPrefix) if the asset is valid but ends before its last chunk,
+// so that it is drawn coarser.
 std::vector<Issue> validateAssetBytes(std::span<const std::byte> bytes, const std::string& name);
 
-// What is wrong with meshes, nodes and scenes of a document whose lists hold objects.
+// The issues of meshes, nodes and scenes of a document whose lists contain only objects.
 std::vector<Issue> checkSceneGraph(const nlohmann::ordered_json& scene, GltfBuffers& buffers,
                                    const std::string& file);
 

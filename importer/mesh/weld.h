@@ -1,5 +1,5 @@
-// Which vertices of a mesh are the same point: meshes in files repeat vertices where normals or texture
-// coordinates differ, and a periodic tile repeats its border one period on.
+// Finds vertices of a mesh that are the same point. Meshes in files repeat vertices where normals or texture
+// coordinates differ, and a periodic tile repeats its border one period further on.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace loden::importer {
 
-// [vertex]: the lowest vertex within `tolerance` of it in each coordinate. A coordinate with a positive
-// `period` counts modulo that period; 0: not periodic.
+// [vertex]: the lowest index of a vertex within `tolerance` of it in each coordinate. A coordinate with a
+// positive `period` counts modulo that period; 0: not periodic.
 std::vector<uint32_t> weldVertices(std::span<const glm::dvec3> positions, const glm::dvec3& period,
                                    double tolerance);
 

@@ -1,5 +1,4 @@
-// The rival of the VDIM on height fields: a cone map (Dummer 2006, "Cone step mapping"), to measure the
-// lookup against.
+// A cone map for height fields (Dummer 2006, "Cone step mapping"), to compare the VDIM look-up with.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,17 +8,17 @@
 
 namespace loden::importer {
 
-// Per texel the surface's z and the width of the widest empty cone above it. A shader would read both by one
-// fetch of a filtered 3-byte texel (16 bits of z, 8 of the cone); here they are not even rounded.
+// A cone map: per texel the surface's z and the width of the widest empty cone above it. A shader would read
+// both by one fetch of a filtered 3-byte texel (16 bits of z, 8 of the cone); here they are not even rounded.
 struct ConeMap {
   int side = 0;
-  double aspect = 1;               // of the tile
+  double aspect = 1;               // aspect of the tile
   std::vector<glm::dvec2> texels;  // z in tile periods, <= 0; the cone's radius over its height
 
   size_t bytes() const { return texels.size() * 3; }
 };
 
-// Of a height field: geometry.identity_parameterization.
+// The cone map of a height field (geometry.identity_parameterization).
 ConeMap buildConeMap(const GeometryImage& geometry, int threads);
 
 struct ConeHit {
@@ -27,9 +26,9 @@ struct ConeHit {
   int fetches = 0;
 };
 
-// The view ray through x: steps from cone to cone, then, once below the surface, by false position; the last
-// two fetches are joined by a secant. At most `taps` fetches, fewer where the ray is within .02 texels of the
-// surface earlier.
+// The hit of the view ray through x: it steps from cone to cone, and, once below the surface, continues by
+// false position; the last two fetches are joined by a secant. It takes at most `taps` fetches, and fewer if
+// the ray is within .02 texels of the surface earlier.
 ConeHit coneLookup(const ConeMap& map, int taps, glm::dvec2 x, const glm::dvec3& wo);
 
 }  // namespace loden::importer

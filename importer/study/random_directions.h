@@ -1,4 +1,4 @@
-// Directions between the samples, for errors that the fits never saw.
+// Random directions between the samples, for errors at directions that the fits never saw.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace loden::importer {
 
-// Uniform over the solid angle up to theta_max (radians).
+// A random direction, uniform over the solid angle up to theta_max (radians).
 inline glm::dvec3 randomDirection(std::mt19937_64& random, double theta_max) {
   std::uniform_real_distribution<double> uniform;
   const double cosine = 1 - uniform(random) * (1 - std::cos(theta_max)), phi = 2 * kPi * uniform(random);

@@ -12,8 +12,8 @@ struct DirectionWeights {
   std::array<double, 4> weight{};  // sum 1
 };
 
-// Linear in azimuth on the two rings around w, linear in theta between them; w beyond the last ring takes
-// that one.
+// The interpolation weights of direction w: linear in azimuth on the two rings around w, and linear in theta
+// between them. A direction beyond the last ring reads that ring.
 DirectionWeights interpolateRings(const std::vector<Ring>& rings, const glm::dvec3& w);
 
 }  // namespace loden::importer

@@ -1,4 +1,4 @@
-// The papers' tables and ours: a study turns tiles into rows of numbers.
+// Studies: each turns tiles into rows of numbers, for the papers' tables and our own.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace loden::importer {
 
 using StudyValue = std::variant<std::string, double, int64_t>;
 
-// One flat object of the JSON; keys keep their order.
+// One row: a flat object of the JSON. Keys keep their order.
 class StudyRow {
  public:
   StudyRow& set(std::string key, std::string value);
@@ -38,10 +38,11 @@ using StudyRows = std::vector<StudyRow>;
 struct StudyOptions {
   std::vector<std::string> tiles{"button", "isba", "pulli", "sponge"};  // builtin names, or tile files
   int size = 64;                                                        // reference texels per side
-  int every = 1;  // of sampled views those at every / 2, every / 2 + every, ... only
-  std::filesystem::path bakes = "out/bakes";  // baked outputs, <tile>-<size>; baked there if missing
-  std::filesystem::path pictures;             // PNG pictures go here; empty: none
-  int threads = 0;                            // 0: all
+  int every = 1;  // uses only the sampled views every / 2, every / 2 + every, ...
+  // Folder of baked outputs, <tile>-<size>; missing ones are baked there.
+  std::filesystem::path bakes = "out/bakes";
+  std::filesystem::path pictures;  // folder for PNG pictures; empty: none
+  int threads = 0;                 // 0: as many as there are cores
   bool quiet = false;
 };
 
@@ -49,39 +50,40 @@ struct Study {
   std::string_view name;
   std::string_view summary;
   Result<StudyRows> (*run)(const StudyOptions& options);
-  bool takes_every = false;  // knows StudyOptions::every
+  bool takes_every = false;  // the study supports StudyOptions::every
 };
 
 // All studies, in the order of the papers.
 std::span<const Study> studies();
 const Study* findStudy(std::string_view name);
 
-// How a study wants a tile baked.
+// How a study needs a tile to be baked.
 struct StudyBake {
-  int flat_size = 0;  // 0: as the study's size
+  int flat_size = 0;  // texels per side of the Flat-BTF; 0: the study's size
   int supersample = 2;
   FillMethod fill = FillMethod::kPushPull;
   TexelMethod texels = TexelMethod::kMean;
-  BakeMaps maps;            // at least
-  bool some_views = false;  // only those of StudyOptions::every; the others are not there to be read
+  BakeMaps maps;            // the maps that are needed; there may be more
+  bool some_views = false;  // only the views of StudyOptions::every are needed; others cannot be read
 };
 
-// The baked output of one tile at options.size and full Bonn directions: <bakes>/<tile>-<size>, and, where
-// `bake` says otherwise than by default, -flat<size>, -s<samples>, -<texels>, -<fill>. Baked first if it is
-// not there, or of another tile.
+// The baked output of one tile at options.size and with all Bonn directions, in <bakes>/<tile>-<size>, to
+// which -flat<size>, -s<samples>, -<texels>, -<fill> are appended where `bake` differs from the default. It
+// is baked first if it is not there, or is of another tile.
 Result<BakedOutput> studyBake(const StudyOptions& options, const std::string& tile,
                               const StudyBake& bake = {});
-// "button" -> "builtin:button"; a path stays a path.
+// The tile's name for loadTile: "button" becomes "builtin:button", and a path stays a path.
 std::string studyTileName(const std::string& tile);
 
-// {"schema":"loden/study/1","study":...,"command":...,"rows":[...]}; ends with a newline.
+// The rows as JSON, {"schema":"loden/study/1","study":...,"command":...,"rows":[...]}; it ends with a
+// newline.
 std::string studyJson(const Study& study, const std::string& command, const StudyRows& rows);
-// One header line of all keys in order of first use, RFC 4180 quoting.
+// The rows as CSV: one header line of all keys in order of first use; quoting as in RFC 4180.
 std::string studyCsv(const StudyRows& rows);
-// For people: aligned columns.
+// The rows as text in aligned columns.
 std::string studyTable(const StudyRows& rows);
 
-// Entry points, one file each.
+// The entry points of the studies, in one source file each.
 Result<StudyRows> studyFlatReconstruction(const StudyOptions& options);
 Result<StudyRows> studyVdimInterpolation(const StudyOptions& options);
 Result<StudyRows> studyCurvedLookup(const StudyOptions& options);

@@ -1,4 +1,4 @@
-// A tile as studies of fits take it.
+// A tile in the form that studies of fits need.
 #pragma once
 
 #include <memory>
@@ -13,11 +13,11 @@ namespace loden::importer {
 struct StudyTile {
   std::string name;
   BakedOutput baked;
-  std::unique_ptr<BtfSource> source;  // of it
-  YccBtf btf;                         // all of it
+  std::unique_ptr<BtfSource> source;  // source of `baked`
+  YccBtf btf;                         // the whole BTF
 };
 
-// studyBake's output, read whole. Issues of studyBake and of reading.
+// The output of studyBake, read whole. Issues: those of studyBake and of reading.
 Result<StudyTile> studyTile(const StudyOptions& options, const std::string& tile);
 
 }  // namespace loden::importer

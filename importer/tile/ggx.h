@@ -1,4 +1,4 @@
-// The GGX microfacet lobe of metallic-roughness materials, and the diffuse light that it leaves over; not
+// The GGX microfacet lobe of metallic-roughness materials, and the diffuse light that it leaves. Not
 // installed.
 #pragma once
 
@@ -9,10 +9,11 @@
 
 namespace loden::importer {
 
-inline constexpr float kLeastAlpha = 0.03f;  // narrower lobes fall between sampled directions
+// Smallest alpha; narrower lobes would fall between sampled directions.
+inline constexpr float kLeastAlpha = 0.03f;
 
-// pi * D * V, unitless: GGX distribution and height-correlated Smith masking and shadowing over 4 (N.L) (N.V)
-// (Walter et al. 2007, eq. 33; Heitz 2014, eq. 99). All cosines positive.
+// The lobe pi * D * V, unitless: GGX distribution, and height-correlated Smith masking and shadowing over 4
+// (N.L) (N.V) (Walter et al. 2007, eq. 33; Heitz 2014, eq. 99). All cosines must be positive.
 template <class T>
 T ggxLobe(T alpha, T cos_light, T cos_view, T cos_half) {
   const T a2 = alpha * alpha;
@@ -22,21 +23,22 @@ T ggxLobe(T alpha, T cos_light, T cos_view, T cos_half) {
   return a2 / (d * d) * T(0.5) / masking;
 }
 
-// Schlick 1994: F = f0 + (1 - f0) * this, of the cosine between light (or view) and half vector.
+// The weight of Schlick's Fresnel term (Schlick 1994), F = f0 + (1 - f0) * weight, for the cosine between
+// light (or view) and half vector.
 template <class T>
 T schlickWeight(T cosine) {
   const T x = std::max(T(0), 1 - cosine), x2 = x * x;
   return x2 * x2 * x;
 }
 
-// How much of the diffuse term the lobe leaves: (1 - E(light)) (1 - E(view)) / (1 - mean E), E being the
-// share of light that the lobe reflects (Kelemen and Szirmay-Kalos 2001). Reciprocal, and lobe and diffuse
-// together never reflect more than all; glTF's own (1 - F) does so at grazing angles.
+// The share of the diffuse term that the lobe leaves: (1 - E(light)) (1 - E(view)) / (1 - mean E), where E is
+// the share of light that the lobe reflects (Kelemen and Szirmay-Kalos 2001). It is reciprocal, and lobe and
+// diffuse term together never reflect more than all light; glTF's own (1 - F) does at grazing angles.
 class DiffuseCoupling {
  public:
-  // f0: the largest of the three.
+  // f0: the largest of the three channels.
   DiffuseCoupling(float alpha, float f0);
-  // One of the two factors; their product is the coupling.
+  // One of the two factors, for the light's or the view's cosine; their product is the coupling.
   float factor(float cosine) const {
     const float at = std::clamp(cosine, 0.0f, 1.0f) * float(kNodes - 1);
     const int k = std::min(static_cast<int>(at), kNodes - 2);

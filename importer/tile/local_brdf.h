@@ -1,4 +1,4 @@
-// The local reflectance of a tile, for one direction pair and for all lights at once.
+// Evaluates the local reflectance of a tile, for one pair of directions and for all lights at once.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace loden::importer {
 
-// pi * f_r, unitless; all directions unit.
+// The reflectance pi * f_r, unitless; all directions are unit.
 inline glm::dvec3 reflectance(const LocalBrdf& brdf, const glm::dvec3& normal, const glm::dvec3& wi,
                               const glm::dvec3& wo) {
   const glm::dvec3 half = glm::normalize(wi + wo);
@@ -31,8 +31,8 @@ inline glm::dvec3 reflectance(const LocalBrdf& brdf, const glm::dvec3& normal, c
   return sum;
 }
 
-// x^n for x in (0, 1], n >= 0; relative error below n * 2e-7 + 2e-6. No branch and no call: loops over it
-// vectorize.
+// x^n for x in (0, 1] and n >= 0, with a relative error below n * 2e-7 + 2e-6. It has no branch and no call,
+// so that loops over it are vectorized.
 inline float fastPower(float x, float n) {
   // log2 by exponent and the arctanh series of the mantissa in [sqrt(.5), sqrt(2)).
   const int32_t bits = std::bit_cast<int32_t>(std::max(x, 1e-20f));
@@ -52,7 +52,7 @@ inline float fastPower(float x, float n) {
   return e * std::bit_cast<float>((int32_t(whole) + 127) << 23);
 }
 
-// Directions of all lights as separate coordinates, and what depends on one view besides.
+// The directions of all lights as separate coordinates, and the values that depend on one view as well.
 struct LightTable {
   std::vector<float> x, y, z;     // per light
   std::vector<float> half_scale;  // per light: 1 / length(wi + wo)
@@ -68,7 +68,7 @@ struct LightTable {
   size_t size() const { return x.size(); }
 };
 
-// The GGX part of the next function.
+// The GGX part of lobesOfAllLights.
 inline void addGgxOfAllLights(const LightTable& lights, const glm::vec3& normal, const glm::vec3& wo,
                               const LocalBrdf& brdf, float* cosine, float* lobe, float* tinted) {
   const float view_cosine = glm::dot(normal, wo);
@@ -88,9 +88,10 @@ inline void addGgxOfAllLights(const LightTable& lights, const glm::vec3& normal,
   }
 }
 
-// The value under light l is diffuse * cosine[l] + lobe[l] + f0 * tinted[l]: cosine is max(N.L, 0), less what
-// a GGX lobe takes; lobe holds specular * (N.H)^exponent and the GGX lobe's white part. lights.size() values
-// each; tinted is written for brdf.alpha > 0 only.
+// Evaluates the reflectance under all lights. The value under light l is diffuse * cosine[l] + lobe[l] + f0 *
+// tinted[l]: `cosine` is max(N.L, 0), less what a GGX lobe takes; `lobe` is specular * (N.H)^exponent and the
+// white part of the GGX lobe. Each array has lights.size() values; `tinted` is written for brdf.alpha > 0
+// only.
 inline void lobesOfAllLights(const LightTable& lights, const glm::vec3& normal, const glm::vec3& wo,
                              const LocalBrdf& brdf, float* cosine, float* lobe, float* tinted) {
   const float view_cosine = glm::dot(normal, wo);

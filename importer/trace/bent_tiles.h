@@ -1,4 +1,4 @@
-// All tiles of a cylinder or sphere as one ray-traced scene. Units: metres.
+// All tiles on a cylinder or sphere as one ray-traced scene, in metres.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,13 +12,14 @@ namespace loden::importer {
 
 struct BentHit {
   glm::dvec3 normal{0};            // unit, shading
-  glm::dvec3 geometric_normal{0};  // unit, by the triangle's winding: away from the surface
-  glm::dvec3 ray_origin{0};        // where rays that leave the surface start (Hanika 2021)
-  glm::dvec3 tile_position{0};     // of the point before bending, in its own period: tile periods
+  glm::dvec3 geometric_normal{0};  // unit, away from the surface, from the triangle's winding
+  glm::dvec3 ray_origin{0};        // origin of rays that leave the surface (Hanika 2021)
+  glm::dvec3 tile_position{0};     // position of the point before bending, in its own period: tile periods
   LocalBrdf brdf;
 };
 
-// Embree behind it: one bent tile per row, because all tiles of a row are rotations of one another about z.
+// A ray tracer of the bent tiles, by Embree. It stores one bent tile per row, since all tiles of a row are
+// rotations of one another about z.
 class BentTiles {
  public:
   BentTiles(const Tile& tile, const AnalyticSurface& surface);

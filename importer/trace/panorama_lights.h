@@ -8,8 +8,8 @@
 
 namespace loden::importer {
 
-// A direction and what its light weighs: the mean of weight * f(direction) over many samples is the integral
-// of radiance * f over the sphere, over pi.
+// A direction and the weight of its light: the mean of weight * f(direction) over many samples is the
+// integral of radiance * f over the sphere, divided by pi.
 struct LightSample {
   glm::dvec3 direction{0, 0, 1};
   glm::dvec3 weight{1};
@@ -19,12 +19,13 @@ class PanoramaLights {
  public:
   // The panorama must outlive it. Non-finite and negative pixels count as black.
   explicit PanoramaLights(const Panorama& panorama);
-  // Drawn by luminance times solid angle; weight 0 if the panorama is black. u, v, w in [0, 1).
+  // A random light, drawn with a probability proportional to luminance times solid angle; its weight is 0 if
+  // the panorama is black. u, v, w are in [0, 1).
   LightSample sample(double u, double v, double w) const;
 
  private:
   const Panorama& panorama_;
-  std::vector<double> cumulative_;  // per pixel, up to and with it
+  std::vector<double> cumulative_;  // cumulative probability up to and including each pixel
 };
 
 }  // namespace loden::importer

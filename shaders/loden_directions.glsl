@@ -26,6 +26,14 @@ vec2 loden_vdim_square_from_view(vec3 wo) {
   return 0.5 + 0.5 * mix(map, -map, lessThan(wo.xy, vec2(0.0)));
 }
 
+// w.xy / w.z of a direction, at most LODEN_VDIM_SIN / LODEN_VDIM_COS long.
+vec2 loden_bounded_slope(vec3 w) {
+  float cosine = max(w.z, LODEN_VDIM_COS);
+  float sine = sqrt(w.x * w.x + w.y * w.y);
+  float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
+  return w.xy * (scale / cosine);
+}
+
 // theta_max = (radians, cosine, sine, 1 / radians): the direction, at most that far from the normal.
 vec3 loden_clamp_theta(vec3 w, vec4 theta_max) {
   if (w.z >= theta_max.y) return w;

@@ -30,6 +30,7 @@
 #include "loden_interface.glsl"
 #include "loden_directions.glsl"
 #include "loden_vdim.glsl"
+#include "loden_visibility.glsl"
 #include "loden_near.glsl"
 #include "loden_bands.glsl"
 

@@ -10,8 +10,6 @@ const float LODEN_DIELECTRIC = 0.04;    // f0 of what is no metal (glTF 2.0, app
 const float LODEN_LEAST_ALPHA = 0.002;  // of GGX
 const float LODEN_LEAST_VIEW = 0.02;    // N.V that lobes are evaluated for
 const float LODEN_MEAN_COSINE = 2.0 / 3.0;
-const float LODEN_BIAS = 4e-3, LODEN_BENT_BIAS = 6e-3;  // tile lengths
-const float LODEN_SAME_SURFACE = 3.0;                   // texels of the geometry image
 
 // w(lambda).
 float loden_near_weight(float lambda) {
@@ -20,13 +18,6 @@ float loden_near_weight(float lambda) {
 #else
   return 1.0;
 #endif
-}
-
-vec2 loden_bounded_slope(vec3 w) {
-  float cosine = max(w.z, LODEN_VDIM_COS);
-  float sine = sqrt(w.x * w.x + w.y * w.y);
-  float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
-  return w.xy * (scale / cosine);
 }
 
 float loden_schlick(float cosine) {
@@ -141,72 +132,6 @@ float loden_mapped_visibility(LodenNear near, vec3 wi) {
 }
 #endif
 
-#if defined(LODEN_VISIBILITY_FAST) || defined(LODEN_VISIBILITY_DEFAULT)
-#define LODEN_VISIBILITY
-#ifdef LODEN_VISIBILITY_FAST
-#define LODEN_LIGHT_EFFORT LODEN_EFFORT_FAST
-#else
-#define LODEN_LIGHT_EFFORT LODEN_EFFORT_DEFAULT
-#endif
-
-#ifdef LODEN_HEIGHT_FIELD
-// Over a flat reference surface: the share of a pixel's footprint from which the height field leaves the ray
-// free, from how closely the ray from P passes it.
-float loden_height_field_visibility(LodenMaterial m, LodenHit hit, vec3 wi, vec2 exit_, vec3 leaving) {
-  LodenViewRay ray = loden_view_ray(m, exit_, leaving);
-  float per_length = max(sqrt(dot(ray.slope, ray.slope)), 1e-6);
-  float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
-  float lowest = hit.position.z + max(LODEN_BIAS, own / per_length);
-  if (lowest >= 0.0) return 1.0;
-  // A step along the surface towards the light takes the ray down by that much; the surface itself, which is
-  // not sampled within `own`, shall not shade it.
-  float facing = clamp(dot(hit.near.normal, wi) / max(hit.near.normal.z * wi.z, 1e-3), 0.0, 1.0);
-  float footprint = exp2(hit.lambda) / loden_material.side;
-  float half_ = max(min(0.5 * footprint, 0.9 * own) * facing / per_length, 1e-6);
-  float rise = loden_height_field_rise(ray, lowest, half_, loden_effort_over(LODEN_LIGHT_EFFORT, hit.lambda));
-  return clamp(0.5 - 0.5 * rise / half_, 0.0, 1.0);
-}
-#endif
-
-// V(P, wi): 0 where the lookup along wi meets the tile before P.
-float loden_looked_up_visibility(LodenHit hit, vec3 wi) {
-  // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
-  wi = loden_clamp_theta(wi, vec4(0.0, LODEN_VDIM_COS, LODEN_VDIM_SIN, 0.0));
-  LodenMaterial m = loden_material_default();
-  m.x_from_tangent = hit.x_from_tangent;
-  vec2 slope = loden_bounded_slope(wi);
-  float height = hit.position.z, rise = -height, bias = LODEN_BIAS;
-  vec3 leaving = wi;
-#ifdef LODEN_FOLLOW_SURFACE
-  m.curvature = hit.curvature;
-  vec2 turn = hit.curvature * slope;
-  float bend = dot(slope, turn);
-  // How far the ray rises until it leaves through the reference surface.
-  rise = -2.0 * hit.position.z / (1.0 + sqrt(max(1.0 - 2.0 * bend * hit.position.z, 0.0)));
-  vec2 tilt = turn * rise;
-  leaving = vec3(wi.xy - tilt * wi.z, wi.z + dot(tilt, wi.xy));
-  leaving /= sqrt(dot(leaving, leaving));
-  if (leaving.z <= 0.0) return 1.0;  // along a convex surface, past it
-  // P as a height of that ray.
-  vec2 out_ = loden_bounded_slope(leaving);
-  float out_bend = dot(out_, hit.curvature * out_);
-  height = 2.0 * hit.position.z / (1.0 + sqrt(max(1.0 + 2.0 * out_bend * hit.position.z, 0.0)));
-  if (hit.curvature != mat2(0.0)) bias = LODEN_BENT_BIAS;
-#endif
-  vec2 exit_ = hit.position.xy + hit.x_from_tangent * slope * rise;
-#ifdef LODEN_HEIGHT_FIELD
-  if (bias == LODEN_BIAS) return loden_height_field_visibility(m, hit, wi, exit_, leaving);
-#endif
-  LodenVdimHit first =
-      loden_atlas_lookup(m, exit_, leaving, loden_effort_over(LODEN_LIGHT_EFFORT, hit.lambda));
-  float own = LODEN_SAME_SURFACE / loden_material.geometry_side;
-  vec2 beside = first.p - hit.p;
-  beside -= floor(beside + 0.5);
-  bool reaches = first.missed || first.height <= height + bias || dot(beside, beside) < own * own;
-  return reaches ? 1.0 : 0.0;
-}
-#endif
-
 // V(P, wi) A(p; wi, wo) + C(p, wi).
 vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
   vec3 indirect = vec3(0.0);
@@ -216,7 +141,7 @@ vec3 loden_evaluate_near_term(LodenHit hit, vec3 wi, vec3 wo) {
   if (dot(hit.near.mapped, wi) <= 0.0) return indirect;
   float visibility = 1.0;
 #if defined(LODEN_VISIBILITY)
-  if (hit.relief && !hit.missed) visibility = loden_looked_up_visibility(hit, wi);
+  if (hit.relief && !hit.missed) visibility = loden_looked_up_visibility(hit, wi, LODEN_LIGHT_EFFORT);
 #elif defined(LODEN_VISIBILITY_MAP)
   visibility = loden_mapped_visibility(hit.near, wi);
 #endif

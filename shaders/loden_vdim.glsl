@@ -1,4 +1,4 @@
-// View-dependent indirection: p = VDIM(x, wo). Mirrors material/eval/vdim_lookup.cpp name for name.
+// View-dependent indirection: p = VDIM(x, wo). C++ compiles this text too (material/eval/vdim_lookup.cpp).
 // Height fields over flat surfaces: 1 or 3 gathers for 4 or 12 depths, between whose bounds a march samples
 // the heights, and one gather for the patch at its end. Elsewhere 1 or 3 gathers for 4 or 12 depths, then per
 // visit of a patch one gather, and per candidate depth one fetch. A ray that bends much does so for several
@@ -19,8 +19,8 @@ struct LodenEffort {
   float samples;  // of the march, at most
   float inside;   // beyond a patch, at which its extension still counts as the surface
 };
-const LodenEffort LODEN_EFFORT_FAST = LodenEffort(1, 18, 2.0, 16.0, LODEN_INSIDE);
-const LodenEffort LODEN_EFFORT_DEFAULT = LodenEffort(3, 36, 1.0, 32.0, LODEN_INSIDE);
+const LodenEffort LODEN_EFFORT_FAST = {1, 18, 2.0, 16.0, LODEN_INSIDE};
+const LodenEffort LODEN_EFFORT_DEFAULT = {3, 36, 1.0, 32.0, LODEN_INSIDE};
 
 // Of an answer that is shown at that level of detail, which hides what is finer.
 LodenEffort loden_effort_over(LodenEffort effort, float lambda) {
@@ -75,17 +75,15 @@ struct LodenViewRay {
 };
 
 LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
-  float cosine = max(wo.z, LODEN_VDIM_COS);
-  float sine = sqrt(wo.x * wo.x + wo.y * wo.y);
-  float scale = min(1.0, LODEN_VDIM_SIN / max(sine, 1e-6));
-  vec2 slope = wo.xy * (scale / cosine);
+  vec2 slope = loden_bounded_slope(wo);
+  LodenViewRay ray = {x - floor(x), m.x_from_tangent * slope, vec2(0.0), 0.0, false};
 #ifdef LODEN_FOLLOW_SURFACE
   vec2 turn = m.curvature * slope;
-  return LodenViewRay(x - floor(x), m.x_from_tangent * slope, m.x_from_tangent * turn, dot(slope, turn),
-                      m.curvature != mat2(0.0));
-#else
-  return LodenViewRay(x - floor(x), m.x_from_tangent * slope, vec2(0.0), 0.0, false);
+  ray.turn = m.x_from_tangent * turn;
+  ray.bend = dot(slope, turn);
+  ray.bent = m.curvature != mat2(0.0);
 #endif
+  return ray;
 }
 
 float loden_ray_z(LodenViewRay ray, float h) {
@@ -123,13 +121,15 @@ struct LodenStraightRay {
 
 // Through the ray's point at h and in its direction, but for how fast it goes down.
 LodenStraightRay loden_straight_at(LodenViewRay ray, float h, float descent) {
-  return LodenStraightRay(ray.x + loden_ray_offset(ray, h), loden_ray_drift(ray, h) / descent,
-                          loden_ray_z(ray, h), h, 1.0 / descent);
+  LodenStraightRay line = {ray.x + loden_ray_offset(ray, h), loden_ray_drift(ray, h) / descent,
+                           loden_ray_z(ray, h), h, 1.0 / descent};
+  return line;
 }
 
 // The tangent, or nearly so where the ray turns.
 LodenStraightRay loden_tangent_ray(LodenViewRay ray, float h) {
-  if (!ray.bent) return LodenStraightRay(ray.x, ray.slope, 0.0, 0.0, 1.0);
+  LodenStraightRay straight = {ray.x, ray.slope, 0.0, 0.0, 1.0};
+  if (!ray.bent) return straight;
   float descent = loden_ray_descent(ray, h);
   return loden_straight_at(
       ray, h,
@@ -143,9 +143,11 @@ struct LodenRayPath {
   int anchors;
 };
 LodenRayPath loden_ray_path(LodenViewRay ray, float range) {
-  if (!ray.bent) return LodenRayPath(-range, 1);
-  float end = 2.0 * ray.bend * range < 1.0 ? loden_ray_height(ray, -range) : -2.0 / ray.bend;
-  return LodenRayPath(end, ray.bend * end > -LODEN_STRAIGHT ? 1 : LODEN_ANCHORS);
+  LodenRayPath path = {-range, 1};
+  if (!ray.bent) return path;
+  path.end = 2.0 * ray.bend * range < 1.0 ? loden_ray_height(ray, -range) : -2.0 / ray.bend;
+  path.anchors = ray.bend * path.end > -LODEN_STRAIGHT ? 1 : LODEN_ANCHORS;
+  return path;
 }
 
 // What stands for the ray in the atlas. One anchor: its chord down to half the depth range. Several: from
@@ -154,8 +156,9 @@ LodenRayPath loden_ray_path(LodenViewRay ray, float range) {
 LodenStraightRay loden_seed_ray(LodenViewRay ray, LodenRayPath path, float range, int anchor) {
   if (path.anchors == 1) {
     float z = max(-0.5 * range, -0.45 / max(ray.bend, 1e-6));
-    return LodenStraightRay(ray.x, z < 0.0 ? loden_ray_offset(ray, loden_ray_height(ray, z)) / z : ray.slope,
-                            0.0, 0.0, 1.0);
+    LodenStraightRay chord = {ray.x, ray.slope, 0.0, 0.0, 1.0};
+    if (z < 0.0) chord.slope = loden_ray_offset(ray, loden_ray_height(ray, z)) / z;
+    return chord;
   }
   float h = path.end * (float(anchor) / float(LODEN_ANCHORS));
   vec2 drift = loden_ray_drift(ray, h);
@@ -191,9 +194,10 @@ LodenNearestLayers loden_nearest_layers(int directions, vec2 square) {
   float a = min(max(abs(off.x), abs(off.y)), 0.5);
   float b = min(min(abs(off.x), abs(off.y)), 0.5);
   float shared_ = 0.5 * a * b;
-  return LodenNearestLayers(ivec3(ivec2(cell.y, first.y) * directions + ivec2(cell.x, first.x),
-                                  int(second.y) * directions + int(second.x)),
-                            vec3((1.0 - a) * (1.0 - b), a - shared_, b - shared_));
+  LodenNearestLayers nearest = {ivec3(ivec2(cell.y, first.y) * directions + ivec2(cell.x, first.x),
+                                      int(second.y) * directions + int(second.x)),
+                                vec3((1.0 - a) * (1.0 - b), a - shared_, b - shared_)};
+  return nearest;
 }
 
 // z of the four entries around x in one layer, as (lower left, lower right, upper left, upper right).
@@ -232,8 +236,9 @@ LodenPatch loden_fetch_patch(vec2 base) {
   vec2 lower = (base + 0.5) / n, upper = (base + 1.5) / n;
 #ifdef LODEN_HEIGHT_FIELD
   vec4 height = (textureGather(loden_height, (base + 1.0) / n, 0) - 1.0) * range.z;
-  return LodenPatch(vec3(lower, height.w), vec3(upper.x, lower.y, height.z), vec3(lower.x, upper.y, height.x),
-                    vec3(upper, height.y), true);
+  LodenPatch patch_ = {vec3(lower, height.w), vec3(upper.x, lower.y, height.z),
+                       vec3(lower.x, upper.y, height.x), vec3(upper, height.y), true};
+  return patch_;
 #else
   uvec4 code = textureGather(loden_geometry, (base + 1.0) / n, 0);
   vec4 x = (vec4(code & 1023u) - 511.0) * (1.0 / 1022.0) * range.x;
@@ -388,14 +393,15 @@ LodenStretch loden_marched_stretch(LodenViewRay ray, float lowest, LodenEffort e
   float bottom = max(low - LODEN_MARGIN * range, lowest);
   float travel = (top - bottom) * sqrt(dot(ray.slope, ray.slope)) * loden_material.geometry_side;
   float samples = clamp(ceil(travel / effort.step_), 2.0, effort.samples);
-  return LodenStretch(top, min(bottom - top, 0.0) / samples, samples);
+  LodenStretch stretch = {top, min(bottom - top, 0.0) / samples, samples};
+  return stretch;
 }
 
 LodenMarch loden_march(LodenViewRay ray, LodenEffort effort) {
   float range = loden_material.geometry_range.z;
   LodenStretch stretch = loden_marched_stretch(ray, LODEN_NONE, effort);
   float samples = stretch.samples;
-  LodenMarch march = LodenMarch(stretch.top, stretch.top, 0.0, -1e-4 * range, false);
+  LodenMarch march = {stretch.top, stretch.top, 0.0, -1e-4 * range, false};
   do {
     march.above = march.below;
     march.gap_above = march.gap_below;
@@ -442,7 +448,8 @@ LodenVdimHit loden_height_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
   float share = march.gap_above / min(march.gap_above - march.gap_below, -1e-9);
   float z = loden_meet_height(ray, march.found ? mix(march.above, march.below, share) : march.below);
   vec2 offset = ray.slope * z;
-  return LodenVdimHit(ray.x + offset + floor(x), offset, z, z, march.found, false);
+  LodenVdimHit hit = {ray.x + offset + floor(x), offset, z, z, march.found, false};
+  return hit;
 }
 #endif
 
@@ -482,12 +489,18 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
     }
     vec2 p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
     // Where no patch faces the ray the blended depth is near.
-    if (anchor == 0) found = LodenVisit(p, h, 1e8);
+    if (anchor == 0) {
+      found.p = p;
+      found.h = h;
+      found.miss = 1e8;
+    }
     int left = effort.visits, again = each;
     do {
       LodenVisit visit = loden_visit(ray, h, p);
       bool nearer = visit.miss < found.miss;
-      found = LodenVisit(nearer ? visit.p : found.p, nearer ? visit.h : found.h, min(visit.miss, found.miss));
+      found.p = nearer ? visit.p : found.p;
+      found.h = nearer ? visit.h : found.h;
+      found.miss = min(visit.miss, found.miss);
       again = visit.miss > LODEN_ABSENT ? 0 : again - 1;
       h = visit.h;
       p = visit.p;

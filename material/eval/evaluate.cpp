@@ -288,7 +288,7 @@ glm::vec<3, T> Evaluator::evaluateNearTerm(const Hit<T>& hit, const glm::vec<3, 
   const Lookup lookup = fast ? Lookup::kFast : Lookup::kDefault;
   T visibility = T(1);
   if (byLookup(maps.visibility) && hit.relief && !hit.missed)
-    visibility = lookedUpVisibility(vdimMaps(), lookup, hit.surface, hit.position, hit.p, point.normal, wi,
+    visibility = lookedUpVisibility(atlas_, lookup, hit.surface, hit.position, hit.p, point.normal, wi,
                                     std::exp2(hit.lambda) / T(material_->side));
   else if (maps.visibility == Visibility::kMap)
     visibility = mappedVisibility(maps, hit.p, hit.lambda, wi);

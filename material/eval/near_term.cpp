@@ -17,20 +17,6 @@ constexpr float kDielectric = 0.04f;     // f0 of what is no metal (glTF 2.0, ap
 constexpr float kLeastAlpha = 0.002f;    // of GGX
 constexpr float kLeastView = 0.02f;      // N.V that lobes are evaluated for
 constexpr float kMeanCosine = 2.0f / 3;  // at which the lobe's albedo is about its mean
-// P may lie this much, in tile lengths, below what the light meets first: the patches are bilinear, and P's
-// own may be met beside P. On bent rays the residuals are larger.
-constexpr float kBias = 4e-3f, kBentBias = 6e-3f;
-constexpr float kSameSurface =
-    3;  // texels of the geometry image: what is met this near to p is p's own surface
-
-// Mirrors the ray of the lookup (vdim_lookup.cpp: viewRay): what lies beyond kThetaMax is looked up at it.
-template <class T>
-V2<T> boundedSlope(const V3<T>& w) {
-  const T cosine = std::max(w.z, T(std::cos(kThetaMax)));
-  const T sine = std::sqrt(w.x * w.x + w.y * w.y);
-  const T scale = std::min(T(1), T(std::sin(kThetaMax)) / std::max(sine, T(1e-6)));
-  return V2<T>(w.x, w.y) * (scale / cosine);
-}
 
 template <class T>
 T schlick(T cosine) {
@@ -213,53 +199,6 @@ T mappedVisibility(const SurfaceMaps& maps, V2<T> p, T lambda, const V3<T>& wi) 
   return std::clamp(T(1) - shadow, T(0), T(1));
 }
 
-template <class T>
-T lookedUpVisibility(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface,
-                     const V3<T>& position, V2<T> p, const V3<T>& normal, const V3<T>& light, T footprint,
-                     int* fetches) {
-  // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
-  const V3<T> wi = clampTheta(light, T(kThetaMax));
-  const V2<T> slope = boundedSlope(wi);
-  const V2<T> turn = surface.curvature * slope;
-  const T bend = glm::dot(slope, turn);
-  // How far the ray rises until it leaves through the reference surface.
-  const T rise = T(-2) * position.z / (T(1) + std::sqrt(std::max(T(1) - T(2) * bend * position.z, T(0))));
-  const V2<T> exit = V2<T>(position) + surface.x_from_tangent * slope * rise;
-  const V2<T> tilt = turn * rise;
-  const V2<T> xy(wi.x, wi.y);
-  V3<T> leaving(xy - tilt * wi.z, wi.z + glm::dot(tilt, xy));
-  leaving /= std::sqrt(glm::dot(leaving, leaving));
-  if (!(leaving.z > T(0))) return T(1);  // along a convex surface, past it
-  const bool bent = surface.curvature != glm::mat<2, 2, T>(0);
-  const T own = T(kSameSurface) / T(maps.atlas ? maps.atlas->geometry.side() : 128);
-  if (maps.atlas && maps.atlas->geometry.identity_parameterization && !bent) {
-    // Mirrors loden_height_field_visibility.
-    const V2<T> drift = surface.x_from_tangent * slope;
-    const T per_length = std::max(std::sqrt(glm::dot(drift, drift)), T(1e-6));
-    const T lowest = position.z + std::max(T(kBias), own / per_length);
-    if (lowest >= T(0)) return T(1);
-    // A step along the surface towards the light takes the ray down by that much; the surface itself, which
-    // is not sampled within `own`, shall not shade it.
-    const T facing = std::clamp(glm::dot(normal, wi) / std::max(normal.z * wi.z, T(1e-3)), T(0), T(1));
-    const T half = std::max(std::min(T(0.5) * footprint, T(0.9) * own) * facing / per_length, T(1e-6));
-    const T above =
-        heightFieldRise(*maps.atlas, lookup, exit, leaving, surface, lowest, half, footprint, fetches);
-    return std::clamp(T(0.5) - T(0.5) * above / half, T(0), T(1));
-  }
-  const VdimHit<T> first = vdimLookup(maps, lookup, exit, leaving, surface, footprint);
-  if (fetches) *fetches += first.fetches;
-  // P as a height of that ray.
-  const V2<T> out = boundedSlope(leaving);
-  const T out_bend = glm::dot(out, surface.curvature * out);
-  const T height =
-      T(2) * position.z / (T(1) + std::sqrt(std::max(T(1) + T(2) * out_bend * position.z, T(0))));
-  V2<T> beside = first.p - p;
-  beside -= glm::floor(beside + T(0.5));
-  const T bias = bent ? T(kBentBias) : T(kBias);
-  const bool reaches = first.missed || first.height <= height + bias || glm::dot(beside, beside) < own * own;
-  return reaches ? T(1) : T(0);
-}
-
 template float nearWeight(const Material&, float);
 template double nearWeight(const Material&, double);
 template glm::vec<3, float> lobeAlbedo(float, const glm::vec<3, float>&, float);
@@ -286,11 +225,5 @@ template glm::vec<3, double> indirectLight(const SurfaceMaps&, const NearPoint<d
                                            double, const glm::vec<3, double>&);
 template float mappedVisibility(const SurfaceMaps&, glm::vec<2, float>, float, const glm::vec<3, float>&);
 template double mappedVisibility(const SurfaceMaps&, glm::vec<2, double>, double, const glm::vec<3, double>&);
-template float lookedUpVisibility(const VdimMaps&, Lookup, const LocalSurface<float>&,
-                                  const glm::vec<3, float>&, glm::vec<2, float>, const glm::vec<3, float>&,
-                                  const glm::vec<3, float>&, float, int*);
-template double lookedUpVisibility(const VdimMaps&, Lookup, const LocalSurface<double>&,
-                                   const glm::vec<3, double>&, glm::vec<2, double>,
-                                   const glm::vec<3, double>&, const glm::vec<3, double>&, double, int*);
 
 }  // namespace loden

@@ -62,13 +62,4 @@ T phongAlbedo(T exponent, T cosine);
 template <class T>
 T mappedVisibility(const SurfaceMaps& maps, glm::vec<2, T> p, T lambda, const glm::vec<3, T>& wi);
 
-// V(P, wi): 0 where the lookup along wi meets the tile before P. `position` is P in tile periods and tile
-// lengths below the reference surface, p its parameter, `normal` the unit one there; wi in the frame where
-// the ray meets the tile. On height fields over a flat surface the mean over a footprint that is `footprint`
-// tile periods wide, from how closely the ray passes the surface; elsewhere 0 or 1.
-template <class T>
-T lookedUpVisibility(const VdimMaps& maps, Lookup lookup, const LocalSurface<T>& surface,
-                     const glm::vec<3, T>& position, glm::vec<2, T> p, const glm::vec<3, T>& normal,
-                     const glm::vec<3, T>& wi, T footprint, int* fetches = nullptr);
-
 }  // namespace loden

@@ -335,34 +335,6 @@ uint64_t residentAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
   return vdimAtlasBytes(image, size) + (vdimDepthBytes(size) > first ? first : 0);
 }
 
-namespace {
-
-// atan(t) 4 / pi for t in [0, 1], to 1e-5 (after Hastings 1955). Mirrors loden_octant.
-template <class T>
-T octant(T t) {
-  const T t2 = t * t;
-  const T value =
-      t * (T(1.27307) + t2 * (T(-0.42055) + t2 * (T(0.22936) + t2 * (T(-0.10839) + t2 * T(0.02653)))));
-  return std::min(value, T(1));
-}
-
-}  // namespace
-
-template <class T>
-glm::vec<2, T> vdimSquareFromView(const glm::vec<3, T>& wo) {
-  const T sine = std::sqrt(wo.x * wo.x + wo.y * wo.y);
-  const T clamped = std::min(sine, T(std::sin(kThetaMax)));
-  // atanh(s) = log((1 + s) / (1 - s)) / 2
-  const T radius = std::min(T(0.5) * std::log((T(1) + clamped) / (T(1) - clamped)) / T(rimRadius()), T(1));
-  const T x = std::abs(wo.x), y = std::abs(wo.y);
-  const T other = radius * octant(std::min(x, y) / std::max(std::max(x, y), T(1e-6)));
-  const T map_x = x >= y ? radius : other, map_y = x >= y ? other : radius;
-  return {T(0.5) + T(0.5) * (wo.x < 0 ? -map_x : map_x), T(0.5) + T(0.5) * (wo.y < 0 ? -map_y : map_y)};
-}
-
-template glm::vec<2, float> vdimSquareFromView(const glm::vec<3, float>&);
-template glm::vec<2, double> vdimSquareFromView(const glm::vec<3, double>&);
-
 glm::dvec3 vdimViewFromSquare(glm::dvec2 square) {
   const glm::dvec2 disk = diskFromSquare(square);
   const double radius = glm::length(disk);

@@ -145,10 +145,10 @@ struct VdimHit {
   bool missed = false;     // the ray goes by a convex surface; p and position are near where it comes closest
 };
 
-// x in tile periods, wo unit, wo.z > 0; `footprint` is how wide, in tile periods, what is read there is
-// filtered, since a lookup need not be closer than that. Without the map that the lookup reads: p = x.
-// kQuality knows no curvature, kPaper nothing of the surface. The atlas's lookups and the published one are
-// the shaders', name for name (shaders/loden_vdim.glsl).
+// What the lookup finds from x, in tile periods, along wo, unit, wo.z > 0. `footprint` is how wide, in tile
+// periods, what is read there is filtered, since a lookup need not be closer than that. Without the map that
+// the lookup reads p is x. kQuality knows no curvature, kPaper nothing of the surface. The atlas's lookups
+// and the published one run the shaders' own text (shaders/loden_vdim.glsl), in double whatever T is.
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
                       const LocalSurface<T>& surface, T footprint = T(0));
@@ -156,12 +156,15 @@ VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, con
 template <class T>
 VdimHit<T> vdimLookup(const VdimMaps& maps, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo);
 
-// By how much a height field (PackedGeometry::identity_parameterization) rises above the straight ray through
-// x at most, tile lengths, above z = `lowest`; negative where the ray clears it. Of samples of kFast or
-// kDefault, up to the first that is `enough` above. Adds the texture instructions to *fetches, if it is not
-// null.
+// V(P, wi), the share of the light from wi that reaches the point P of the tile, by the lookup towards the
+// light (shaders/loden_visibility.glsl). `position` is P, tile periods in the plane and tile lengths, <= 0,
+// below the reference surface; p its parameter, `normal` the unit normal there; wi unit, in the frame where
+// the view ray meets the tile. On height fields over a flat surface the mean over a footprint that is
+// `footprint` tile periods wide, from how closely the ray passes the surface; elsewhere 0 or 1. The lookup is
+// kFast or kDefault. Adds the texture instructions to *fetches, if it is not null.
 template <class T>
-T heightFieldRise(const VdimAtlas& atlas, Lookup lookup, glm::vec<2, T> x, const glm::vec<3, T>& wo,
-                  const LocalSurface<T>& surface, T lowest, T enough, T footprint, int* fetches);
+T lookedUpVisibility(const VdimAtlas& atlas, Lookup lookup, const LocalSurface<T>& surface,
+                     const glm::vec<3, T>& position, glm::vec<2, T> p, const glm::vec<3, T>& normal,
+                     const glm::vec<3, T>& wi, T footprint, int* fetches = nullptr);
 
 }  // namespace loden

@@ -331,7 +331,7 @@ TEST(StressDirections, LookupsMeetAPlaneWhereverTheyComeFrom) {
         "lookups on a plane that is " + kind + ": searches that do not converge, of " + std::to_string(count),
         double(lost), "0");
     record("the same: p off its closed form, double, tile periods", worst_double, "<= 1e-5");
-    record("the same, float", worst_float, "<= 5e-5");
+    record("the same, of x and wo in float", worst_float, "<= 5e-5");
     EXPECT_EQ(lost, 0);
     // The plane's z is a code of 16 bits of its own range and x codes of 10 bits of a range near 0.
     EXPECT_LE(worst_double, 1e-5);

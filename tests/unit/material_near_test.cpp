@@ -40,8 +40,8 @@ struct ShadedBumps {
 
   double visibility(Lookup lookup, glm::dvec2 p, const glm::dvec3& wi, double footprint) const {
     const auto point = surfaceAt<double>(image, p);
-    return lookedUpVisibility({.atlas = &atlas}, lookup, LocalSurface<double>{}, point.position, p,
-                              point.normal, wi, footprint);
+    return lookedUpVisibility(atlas, lookup, LocalSurface<double>{}, point.position, p, point.normal, wi,
+                              footprint);
   }
   bool occluded(glm::dvec2 p, const glm::dvec3& wi) const {
     const auto point = surfaceAt<double>(image, p);

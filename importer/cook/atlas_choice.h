@@ -12,7 +12,7 @@ namespace loden::importer {
 // The most bytes of the atlas's depths. With a geometry image of 128 x 128 and a closest-point volume this
 // makes .5 MB. More bytes gain little, since the look-up's misses then depend on the number of its
 // candidates.
-inline constexpr uint64_t kMostAtlasBytes = 400'000;  // of the depths
+inline constexpr uint64_t kMostAtlasBytes = 400'000;  // bytes of the depths
 
 struct AtlasTrial {
   VdimAtlasSize size;

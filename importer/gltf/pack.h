@@ -34,7 +34,7 @@ struct PackReport {
   int material = 0;             // index in the scene
   std::string asset_reference;  // the URI, or "bufferView N"
   bool fallback_fitted = false;
-  glm::dvec2 scale{1};  // as written
+  glm::dvec2 scale{1};  // the scale written to the file
   // The metres of one tile along its x and y, as the median over the material's surfaces; 0: they cannot be
   // measured.
   glm::dvec2 period{0};

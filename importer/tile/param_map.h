@@ -36,7 +36,7 @@ struct ParamExtension {
   uint32_t triangle = ParamSample::kNone;
   glm::dvec2 b{0};          // weights beyond the triangle
   glm::dvec2 edge{0};       // weights of the nearest point, on the border
-  double distance = 1e300;  // of the nearest point, cells
+  double distance = 1e300;  // distance of that point from the cell's centre, in cells
   bool exists() const { return triangle != ParamSample::kNone; }
 };
 

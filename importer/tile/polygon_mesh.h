@@ -30,7 +30,7 @@ struct PolygonMesh {
   std::vector<uint32_t> corners;  // vertex of each corner, face by face
   std::vector<uint16_t> charts;   // per face, from 1, if giveParams has cut the surface; otherwise empty
   std::vector<int> lines;       // for text files the line of each vertex's position, from 1; otherwise empty
-  std::vector<Issue> warnings;  // as Tile::warnings
+  std::vector<Issue> warnings;  // see Tile::warnings
 };
 
 Result<PolygonMesh> readGltfMesh(const std::filesystem::path& path);

@@ -1,10 +1,11 @@
-// Bonn's image folders: UBO2003 (JPEG), ATRIUM (JPEG and Radiance HDR), and what is written like them.
+// Reads and writes Bonn University's image folders: UBO2003 (JPEG), ATRIUM (JPEG and Radiance HDR), and
+// others with the same file names.
 //
 //   tv030_pv030/00008 tl000 pl000 tv030 pv030.jpg
 //
-// tl, pl: light theta and phi, tv, pv: view; degrees, decimals allowed, any order, either case. The keys
-// count, not the running index. 8-bit images carry no radiometric calibration and are taken as sRGB; HDR and
-// EXR are linear. A picture's top row is y = 1.
+// tl and pl are theta and phi of the light, tv and pv those of the view, in degrees; decimals are allowed, in
+// any order and either case. These keys count, not the running index. 8-bit images carry no radiometric
+// calibration and are taken as sRGB; HDR and EXR are linear. A picture's top row is y = 1.
 #pragma once
 
 #include <optional>
@@ -14,9 +15,10 @@
 
 namespace loden::importer {
 
-// True if the folder, or a folder in it, holds a file with such a name.
+// Whether the folder, or a folder in it, holds a file with such a name.
 bool looksLikeBonnFolder(const std::filesystem::path& folder);
-// Every pair of the sampled directions must have its image. The images are read when a view is asked for.
+// The BTF in a folder. Every pair of the sampled directions must have its image. The images are read when a
+// view is asked for.
 Result<std::unique_ptr<MeasuredSource>> openBonnFolder(const std::filesystem::path& folder);
 
 enum class BonnEncoding { kJpeg, kHdr, kExr };  // JPEG is clamped to [0, 1]
@@ -30,8 +32,8 @@ struct BonnAngles {
 };
 std::optional<BonnAngles> parseBonnName(const std::string& file_name);
 
-// Radiance pictures whose resolution line is "+X w -Y h", as ATRIUM's: their scanlines are rows all the same,
-// bottom row first. Other orders than that and the usual "-Y h +X w" are refused.
+// The Radiance picture in a file. Its resolution line may be the usual "-Y h +X w", or "+X w -Y h" as in
+// ATRIUM, whose scanlines are nevertheless rows, bottom row first. Other orders are refused.
 Result<Picture> readRadiance(const std::filesystem::path& path);
 
 }  // namespace loden::importer

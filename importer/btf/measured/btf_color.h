@@ -1,4 +1,4 @@
-// Colour models of DFMF files: decorrelated channels to linear RGB.
+// The colour models of DFMF files, which convert decorrelated channels to linear RGB.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ enum class ColorModel : int32_t {
   kYuv = 1,
   kPca = 3,  // x * matrix + mean
   kYCoCg = 4,
-  kLogY = 9,          // Y = exp(y) - eps; U and V as they are
-  kLogYuv = 10,       // the same Y; U and V = sign * exp(|x| + log eps)
-  kLogYuvRatio = 11,  // the same Y; U and V stored divided by Y + eps. What UBO2014 uses
+  kLogY = 9,          // Y = exp(y) - eps; U and V as they are stored
+  kLogYuv = 10,       // Y = exp(y) - eps; U and V = sign * exp(|x| + log eps)
+  kLogYuvRatio = 11,  // Y = exp(y) - eps; U and V are stored divided by Y + eps. Used by UBO2014
   kLogRgb = 12,
 };
 
 bool isSupported(int32_t model);
-// For messages: the models that are known but not supported have names, too.
+// The name of a colour model, for messages; models that are known but not supported have names, too.
 std::string colorModelName(int32_t model);
 
 struct ColorTransform {

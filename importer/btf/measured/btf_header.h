@@ -25,7 +25,7 @@ struct Header {
   DirectionSet lights, views;
   uint32_t width = 0, height = 0;
   bool legacy = false;      // the PVF layout that has no metadata
-  uint32_t view_slots = 0;  // of that layout: its number of factored views
+  uint32_t view_slots = 0;  // of the legacy layout: its number of factored views
   size_t texels() const { return size_t(width) * height; }
 };
 
@@ -36,22 +36,22 @@ struct Limits {
   static constexpr uint32_t kMaxChannels = 16;
 };
 
-// The file contradicts itself or its format.
+// The issue that the file contradicts itself or its format.
 Issue brokenFile(const std::string& name, const std::string& text);
-// The file ends at the place named: it is a part of a file.
+// The issue that the file ends at the place named, so that a part of it is missing.
 Issue cutShort(const std::string& name, const std::string& place);
-// The file may be sound, but holds what this reader does not know.
+// The issue that the file may be valid, but holds something that this reader does not support.
 Issue unsupported(const std::string& name, const std::string& text);
 
-// Reads everything in front of the kind's own data; the cursor stands behind it. The rotations of a BDI
-// follow its mask and are left to its reader.
+// The header: everything before the kind's own data. The cursor is moved behind it. The rotations of a BDI
+// file follow its mask, and are left to its reader.
 Result<Header> readHeader(asset::ByteCursor& cursor, const std::string& name);
 // Skips the block of rotations, if the signature announces one.
 Status skipRotations(asset::ByteCursor& cursor, const Header& header, const std::string& name);
 
 uint8_t readU8(asset::ByteCursor& cursor);
 
-// Numbers of 2 (half), 4 or 8 bytes as they stand in the file.
+// An array of numbers of 2 (half), 4 or 8 bytes as they are in the file.
 class Numbers {
  public:
   Numbers() = default;

@@ -1,4 +1,4 @@
-// The kinds of .btf files as sources. Internal to importer/btf/measured.
+// The kinds of .btf files as BTF sources. Internal to importer/btf/measured.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace loden::importer::btf {
 
-// What the kinds share; they differ in how one view is decoded.
+// The base class of all kinds, which differ in how one view is decoded.
 class BtfFile : public MeasuredSource {
  public:
   BtfFile(std::shared_ptr<const MappedFile> file, Header header, std::string name)
@@ -23,13 +23,13 @@ class BtfFile : public MeasuredSource {
  protected:
   size_t lightCount() const { return static_cast<size_t>(header_.lights.size()); }
   size_t viewCount() const { return static_cast<size_t>(header_.views.size()); }
-  // Texel of an image whose first row is y = 0, for a texel of the file, whose first row is y = 1.
+  // The texel of an image whose first row is y = 0, for a texel of the file, whose first row is y = 1.
   size_t flipped(size_t file_texel) const {
     return (header_.height - 1 - file_texel / header_.width) * header_.width + file_texel % header_.width;
   }
-  // The file's channel that channel c of the values is read from: a file of one channel is grey.
+  // The file's channel from which channel c of the values is read; a file of one channel is grey.
   uint32_t channelFor(int c) const { return header_.channels == 3 ? static_cast<uint32_t>(c) : 0; }
-  // An issue if bytes follow the data.
+  // Success, or an issue if bytes follow the data.
   Status atEnd(const asset::ByteCursor& cursor) const;
 
   std::shared_ptr<const MappedFile> file_;
@@ -37,28 +37,31 @@ class BtfFile : public MeasuredSource {
   std::string name_;
 };
 
-// Each reads what follows the common header, where the cursor stands. Decorrelated full matrix factorization:
-// one product of two matrices for each channel of a colour model.
+// Each of the following functions reads what follows the common header, from the cursor on.
+//
+// openDfmf: decorrelated full matrix factorization, with one product of two matrices for each channel of a
+// colour model.
 Result<std::unique_ptr<MeasuredSource>> openDfmf(std::shared_ptr<const MappedFile> file, Header header,
                                                  asset::ByteCursor cursor, const std::string& name);
-// Full matrix factorization: one product of two matrices, the channels stacked in one of them.
+// Full matrix factorization: one product of two matrices, of which one holds the channels one after the
+// other.
 Result<std::unique_ptr<MeasuredSource>> openFmf(std::shared_ptr<const MappedFile> file, Header header,
                                                 asset::ByteCursor cursor, const std::string& name);
-// Per view factorization: a mean and a product of two matrices for each view.
+// Per-view factorization: a mean and a product of two matrices for each view.
 Result<std::unique_ptr<MeasuredSource>> openPvf(std::shared_ptr<const MappedFile> file, Header header,
                                                 asset::ByteCursor cursor, const std::string& name);
 // Bidirectional images: all values, texel by texel, in chunks of scanlines.
 Result<std::unique_ptr<MeasuredSource>> openBdi(std::shared_ptr<const MappedFile> file, Header header,
                                                 asset::ByteCursor cursor, const std::string& name);
 
-// Rows first, first + stride, ... of a row-major matrix.
+// The rows first, first + stride, ... of a row-major matrix.
 struct RowRange {
   size_t first = 0, stride = 1, count = 0;
 };
 std::vector<float> floatsOf(const Numbers& numbers, const RowRange& rows, uint32_t cols);
 
 // Calls use(i, j, dot(left row i, right row j)) for all pairs of rows; both matrices have `components`
-// columns. Numbers are converted once a row, not once a product.
+// columns. Numbers are converted once per row, not once per product.
 template <class Use>
 void forEachProduct(const Numbers& left, const RowRange& left_rows, const Numbers& right,
                     const RowRange& right_rows, uint32_t components, const Use& use) {
@@ -74,14 +77,15 @@ void forEachProduct(const Numbers& left, const RowRange& left_rows, const Number
   }
 }
 
-// value(row, col) = sum_k u(row, k) sv(col, k); the singular values are multiplied into sv.
+// The factors of a matrix: value(row, col) = sum_k u(row, k) sv(col, k). The singular values are multiplied
+// into sv.
 struct Factors {
   uint32_t components = 0;
   uint64_t rows = 0, cols = 0;
   Numbers u, sv;
 };
-// u8 scalar size, u32 components, u32 rows, u32 cols, the singular values, U and SxV, both row-major. `where`
-// names the matrix in messages. What rows and columns must be is for the caller to check.
+// Reads factors: u8 scalar size, u32 components, u32 rows, u32 cols, the singular values, U and SxV, both
+// row-major. `where` names the matrix in messages. The caller must check the numbers of rows and columns.
 Result<Factors> readFactors(asset::ByteCursor& cursor, const std::string& name, const std::string& where);
 
 }  // namespace loden::importer::btf

@@ -1,4 +1,5 @@
-// A part of a measured BTF: whole sets of 400 x 400 texels do not fit into the memory that a cook has.
+// A part of a measured BTF, since a whole set of 400 x 400 texels does not fit into the memory that a cook
+// has.
 #pragma once
 
 #include <memory>
@@ -7,7 +8,7 @@
 
 namespace loden::importer {
 
-// The middle side x side texels. Issue kOption if the source has fewer along a side.
+// The middle side x side texels of the source. Issues: kOption if the source has fewer along a side.
 Result<std::unique_ptr<BtfSource>> croppedSource(std::unique_ptr<BtfSource> source, int side);
 
 }  // namespace loden::importer

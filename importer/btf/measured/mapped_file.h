@@ -1,4 +1,4 @@
-// A file's bytes, mapped: what is not read costs no memory.
+// The bytes of a memory-mapped file; bytes that are not read cost no memory.
 #pragma once
 
 #include <cstddef>
@@ -23,9 +23,9 @@ class MappedFile {
   std::span<const std::byte> bytes_;
 };
 
-// From here on the process ends with a message and kExitIo where it reads bytes of a mapped file that are
-// gone: where another process cut the file short. Without it, or beyond 16 mapped files, the signal ends it.
-// For programs, whose outputs are whole or absent whenever they end.
+// Makes the process end with a message and kExitIo if it reads bytes of a mapped file that no longer exist
+// because another process shortened the file. Without this call, or beyond 16 mapped files, a signal ends the
+// process. It is for programs whose outputs are whole or absent whenever they end.
 void exitWhereMappedFilesShrink();
 
 }  // namespace loden::importer

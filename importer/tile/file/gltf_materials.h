@@ -1,5 +1,5 @@
-// The materials of a tile's glTF file: metallic-roughness with its textures and KHR_texture_transform; what
-// else they hold is not baked, and warned of. Not installed.
+// The materials of a tile's glTF file: metallic-roughness with textures and KHR_texture_transform. Other
+// parts of a material are not baked, and a warning names them. Not installed.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -21,7 +21,7 @@ namespace loden::importer {
 
 inline constexpr const char* kTextureTransform = "KHR_texture_transform";
 
-// How a texture is laid over a primitive.
+// The mapping of a texture onto a primitive.
 struct GltfTextureUse {
   int set = -1;  // n of TEXCOORD_n; -1: there is no texture
   glm::dmat3 transform{
@@ -30,7 +30,7 @@ struct GltfTextureUse {
 
 struct GltfMaterial {
   std::string label;                     // "material 3 'Linen'"
-  LocalBrdf brdf;                        // of the factors alone
+  LocalBrdf brdf;                        // from the factors alone
   uint32_t index = TexturePoint::kNone;  // in GltfMaterials::textured, if it has textures
   GltfTextureUse base_color, metallic_roughness;
 };
@@ -40,9 +40,10 @@ class GltfMaterials {
   // `file` names the model in messages.
   GltfMaterials(const tinygltf::Model& model, std::string file) : model_(model), file_(std::move(file)) {}
 
-  // The material of that index, -1: none. Read once; valid as long as this object.
+  // The material of this index; -1: glTF's default material. It is read once, and valid as long as this
+  // object.
   Result<const GltfMaterial*> at(int material);
-  // Once for each place.
+  // Adds a warning, once for each place.
   void warn(const std::string& place, const std::string& text);
 
   std::vector<TileMaterial> textured;

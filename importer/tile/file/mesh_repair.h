@@ -1,4 +1,4 @@
-// Repairs what exporters leave in meshes, or refuses it; not installed.
+// Repairs faults that exporters leave in meshes, or refuses the mesh. Not installed.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 namespace loden::importer {
 
 // Turns the mesh into triangles, and
-// - drops triangles without area and those that repeat an earlier one,
-// - takes needles away: their corners are moved together, or the edge that one of them lies on is split
-// there,
-// - closes T-junctions: an open edge with vertices of other open edges on it is split at them.
-// Moves nothing by more than 1e-5 of an edge, and leaves a warning with the mesh. Refuses edges of more than
-// two triangles and neighbours that face opposite ways: kTileGeometry, with the triangle (its number in the
-// file, polygons fanned) and its position.
+// - removes triangles without area and those that repeat an earlier one;
+// - removes needles (triangles that are almost a line): their corners are merged, or the edge on which one of
+//   them lies is split there;
+// - closes T-junctions: an open edge on which vertices of other open edges lie is split at them.
+// It moves nothing by more than 1e-5 of an edge, and adds a warning to the mesh. Issues: kTileGeometry for
+// edges of more than two triangles and for neighbours that face opposite ways, with the triangle (its number
+// in the file, with polygons split into fans) and its position.
 Status repairMesh(PolygonMesh& mesh, const std::string& where);
 
 }  // namespace loden::importer

@@ -81,7 +81,7 @@ class MaterialGpu {
   std::vector<StandIn> stand_ins_;
   std::shared_ptr<const GlTexture> nearest_light_, nearest_view_;  // for tables of TableLayout::kNearest
   bool stand_ins_shown_ = true;
-  std::vector<uint32_t> empty_, bound_;  // by texture unit; unitsOf(variant_) of them
+  std::vector<uint32_t> empty_, bound_;  // [unit]: GL names of the textures; unitsOf(variant_) units
 };
 
 }  // namespace loden::runtime

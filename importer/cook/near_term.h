@@ -23,8 +23,8 @@ struct NearOptions {
 };
 
 // By how many levels near maps are read finer than the level that is shown. A mean over a texel's surface is
-// not the mean of what a view sees of it, and one level finer its error is a third to a half at lambda 1.5
-// (on all four tiles, tests/studies/RESULTS.md). Two levels finer gains no more.
+// not the mean of what a view sees of it. One level finer, the error at lambda 1.5 is a third to a half of
+// that at the level itself (on all four tiles, tests/studies/RESULTS.md). Two levels finer gains no more.
 inline constexpr float kNearFiner = 1;
 
 // The latest window in which bands take over from the near term; importer/cook/level_choice.h measures the

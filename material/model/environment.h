@@ -73,7 +73,7 @@ HemisphereLight hemisphereLight(const EnvironmentLight& light, const glm::mat3& 
 // One light of a quadrature over the hemisphere.
 struct LightSample {
   glm::dvec3 direction;
-  // Dw / pi times the factor by which values at this direction are multiplied: the fade of
+  // dw / pi times the factor by which values at this direction are multiplied: the fade of
   // Evaluator::evaluate, or the cosine for assets that leave it out.
   double measure;
   std::array<double, kEnvironmentBasis> basis;

@@ -88,8 +88,6 @@ enum class Interpolation {
   // vdim-interpolation`). 32 triangles per patch, 60 MB for 128 x 128 texels; 8 triangles for images of over
   // 512 texels per side.
   kCubic,
-  // study vdim-interpolation`). 32 triangles a patch, 60 MB for 128 x 128 texels; 8 of images with
-  // over 512 texels a side
 };
 inline constexpr int kMostCubicSide = 1024;  // texels per side; larger images would take too much memory
 

@@ -210,14 +210,14 @@ struct Light {
   glm::vec3 intensity{1};
   float range = 0;                     // metres; 0 means no end
   float cos_inner = 1, cos_outer = 0;  // cosines of a spot light's inner and outer cone angle
-  int node = -1;                       // that it hangs on; -1: never moves
+  int node = -1;                       // index into Scene::nodes, to which it is attached; -1: it never moves
 };
 
 struct SceneCamera {
   std::string name;
   glm::mat4 world_from_camera{1};  // looks along -z, y up
   float fov_y = 0.7f;              // radians
-  int node = -1;                   // that it hangs on; -1: never moves
+  int node = -1;                   // index into Scene::nodes, to which it is attached; -1: it never moves
 };
 
 struct Scene {

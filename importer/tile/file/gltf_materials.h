@@ -40,8 +40,7 @@ class GltfMaterials {
   // `file` names the model in messages.
   GltfMaterials(const tinygltf::Model& model, std::string file) : model_(model), file_(std::move(file)) {}
 
-  // The material of this index; -1: glTF's default material. It is read once, and valid as long as this
-  // object.
+  // The material of this index, or for -1 a grey matt one. It is read once, and valid as long as this object.
   Result<const GltfMaterial*> at(int material);
   // Adds a warning, once for each place.
   void warn(const std::string& place, const std::string& text);

@@ -18,7 +18,7 @@ namespace loden::importer {
 
 struct FusedPlan {
   // Texels per side of the near term's maps: those of the baked maps or these divided by a power of two. 0:
-  // no near term, but a flat-domain band, which the fields with that note describe.
+  // no near term, but a flat-domain band, which the fields marked "flat-domain band" describe.
   int surface_side = 0;
   // Visibility of the near term; empty: the one that measures best.
   std::optional<Visibility> visibility = {};

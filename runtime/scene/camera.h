@@ -44,7 +44,7 @@ struct FacingCone {
   float angle = 4;          // radians; pi or more: every direction
 };
 FacingCone facingCone(const Mesh& mesh, const glm::mat4& world_from_local);
-// Whether everything in the box certainly shows the eye its back faces only.
+// Whether the eye certainly sees only back faces of everything in the box.
 bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye);
 
 // Tile periods per metre of the mesh's UVs, such that only 2 % of the area has fewer. Per triangle they come

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// Tinygltf without its image decoder: images are decoded by runtime/scene/image_decode.h.
+// These macros leave out tinygltf's image decoder: runtime/scene/image_decode.h decodes images.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_STB_IMAGE

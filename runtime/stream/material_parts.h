@@ -73,9 +73,10 @@ struct LoadedPart {
   std::shared_ptr<const Material> lead;
 };
 
-// The textures of one part: reads, checks and decompresses it, and builds the VDIM atlas if it is one.
-// `lead`: what LoadedPart::lead of the leading part held, so that only the rest is read; null: everything is
-// read. After a stop request an atlas is returned unfinished. Called on the loading threads.
+// The textures of one part, which is read, checked and decompressed; a part of the geometry also gets its
+// VDIM atlas built. `lead`: what LoadedPart::lead of the leading part held, so that only the rest is read;
+// null: everything is read. After a stop request an atlas is returned unfinished. Called on the loading
+// threads.
 Result<LoadedPart> loadPart(const AssetFile& file, const PartPlan& plan, const Material* lead, int threads,
                             const std::stop_token& stop = {});
 

@@ -46,7 +46,7 @@ struct MaterialSystemOptions {
   // The VDIM atlas size of every material; empty: the size that its asset asks for. It is an upper bound: a
   // material for whose atlas the budget has no room is drawn with a small one.
   std::optional<VdimAtlasSize> atlas_size = {};
-  int first_unit = 0;     // the first texture unit that materials use; units below stay the engine's
+  int first_unit = 0;     // the first texture unit that materials use; units below are left to the engine
   int atlas_threads = 1;  // threads that build one VDIM atlas, besides the loading thread
 };
 

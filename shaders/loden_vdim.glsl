@@ -19,8 +19,8 @@ struct LodenEffort {
   float samples;  // of the march, at most
   float inside;   // beyond a patch, at which its extension still counts as the surface
 };
-const LodenEffort LODEN_EFFORT_FAST = {1, 18, 2.0, 16.0, LODEN_INSIDE};
-const LodenEffort LODEN_EFFORT_DEFAULT = {3, 36, 1.0, 32.0, LODEN_INSIDE};
+const LodenEffort LODEN_EFFORT_FAST = {1, 24, 2.0, 16.0, LODEN_INSIDE};
+const LodenEffort LODEN_EFFORT_DEFAULT = {3, 48, 1.0, 32.0, LODEN_INSIDE};
 
 // Of an answer that is shown at that level of detail, which hides what is finer.
 LodenEffort loden_effort_over(LodenEffort effort, float lambda) {
@@ -43,6 +43,7 @@ const float LODEN_REACH = 3.0;               // texels that one visit may move b
 const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
 const int LODEN_EACH = 6;                    // visits for each candidate depth
 const int LODEN_BENT_EACH = 6;               // the same of a bent ray, whose direction changes on the way
+const int LODEN_UPHILL = 3;                  // visits for the blended depth where its first patch faces away
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
 const float LODEN_MARGIN = 15.5 / 255.0;     // of the depth range
@@ -302,7 +303,7 @@ LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
   float z = mix(mix(patch_.p00.z, patch_.p10.z, a), mix(patch_.p01.z, patch_.p11.z, a), b);
   float residual = max(abs(q.x), abs(q.y)) * n;
   LodenVisit visit;
-  visit.h = z;
+  visit.h = faces ? z : h;
   if (ray.bent) {
     // On to the point of the ray that is nearest along it, and how far that is off across it.
     vec2 point = q + line.x + line.slope * (z - line.z) - ray.x;
@@ -313,7 +314,9 @@ LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
     residual = sqrt(dot(beside, beside)) * n * (LODEN_INSIDE / LODEN_BENT_RESIDUAL);
   }
   vec2 centred = abs(vec2(a, b) - 0.5);
-  visit.p = (base + vec2(a, b) + 0.5) / n + shift;
+  // A patch that faces away is of the underside of a fold: what the ray may meet there is uphill.
+  vec2 uphill = ab + LODEN_REACH * sign(vec2(patch_.p10.z, patch_.p01.z) - patch_.p00.z);
+  visit.p = (base + (faces ? vec2(a, b) : uphill) + 0.5) / n + shift;
   visit.miss = max(max(centred.x, centred.y) - 0.5, residual);
   if (!faces)
     visit.miss = LODEN_AWAY;
@@ -501,7 +504,8 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
       found.p = nearer ? visit.p : found.p;
       found.h = nearer ? visit.h : found.h;
       found.miss = min(visit.miss, found.miss);
-      again = visit.miss > LODEN_ABSENT ? 0 : again - 1;
+      bool retried = again == each && below == 1.0;  // of the blended depth, and only once
+      again = visit.miss <= LODEN_ABSENT ? again - 1 : (retried ? LODEN_UPHILL : 0);
       h = visit.h;
       p = visit.p;
       float next = loden_highest_below(depths, layers, below);

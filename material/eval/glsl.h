@@ -35,7 +35,7 @@ using mat2 = glm::dmat2;
 using glm::ivec2, glm::ivec3, glm::uvec4;
 
 using glm::abs, glm::acos, glm::atan, glm::ceil, glm::clamp, glm::dot, glm::exp2, glm::floor, glm::fract,
-    glm::greaterThanEqual, glm::lessThan, glm::log, glm::max, glm::min, glm::mix, glm::sqrt;
+    glm::greaterThanEqual, glm::lessThan, glm::log, glm::max, glm::min, glm::mix, glm::sign, glm::sqrt;
 
 // Where all arguments are vectors of this file GLM would take them for scalars.
 template <class V>

@@ -209,16 +209,10 @@ size_t columnAt(const glm::dvec3& place) {
 // Surface points in columns over one period, to find the one nearest to a place.
 class PointColumns {
  public:
+  // Of patches that face up, where views meet a surface first; of all, if none does.
   explicit PointColumns(const GeometryImage& image) : columns_(size_t(kVolumeSide) * kVolumeSide) {
-    const int n = image.side();
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) {
-        const Patch<double> patch = fetchPatch<double>(image, i, j);
-        if (patch.chart == 0) continue;
-        const glm::dvec3 at = 0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11);
-        columns_[columnAt(at)].push_back({at, glm::dvec2((i + 1.0) / n, (j + 1.0) / n)});
-        empty_ = false;
-      }
+    add(image, true);
+    if (empty_) add(image, false);
   }
   bool empty() const { return empty_; }
 
@@ -248,6 +242,19 @@ class PointColumns {
     const Point* point = nullptr;
     double distance = 1e30;  // squared
   };
+
+  void add(const GeometryImage& image, bool facing_up_alone) {
+    const int n = image.side();
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Patch<double> patch = fetchPatch<double>(image, i, j);
+        const bool up = glm::cross(patch.p11 - patch.p00, patch.p01 - patch.p10).z >= 0;
+        if (patch.chart == 0 || (facing_up_alone && !up)) continue;
+        const glm::dvec3 at = 0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11);
+        columns_[columnAt(at)].push_back({at, glm::dvec2((i + 1.0) / n, (j + 1.0) / n)});
+        empty_ = false;
+      }
+  }
 
   // Of points at one distance the lower p wins, so that the order of the search does not matter.
   void search(int x, int y, const glm::dvec3& place, Nearest& best) const {

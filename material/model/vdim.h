@@ -56,8 +56,8 @@ struct VdimAtlas {
   // Layer v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
   Texture depth;
   // 32 x 32 x 8 volume over [0,1)^2 x [0, -range.z] (z slice 0 is the top), RG16 snorm: twice p - X.xy,
-  // wrapped into [-.5, .5], of the surface point nearest to the voxel's centre. Empty on identity
-  // parameterizations.
+  // wrapped into [-.5, .5], of the nearest surface point to the voxel's centre that faces up. Empty on
+  // identity parameterizations.
   Texture volume;
   size_t bytes() const { return geometry.texels.data.size() + depth.data.size() + volume.data.size(); }
 };
@@ -110,12 +110,12 @@ enum class Lookup : uint32_t {
   // By the atlas. In height fields over flat surfaces a march over the heights between the bounds that depths
   // of the nearest directions set; else a search from depths, at each of several points of a ray that bends
   // much.
-  kFast,     // 1 direction; steps of 2 texels, at most 16, or at most 18 visits of a patch
-  kDefault,  // 3 directions; steps of 1 texel, at most 32, or at most 36 visits
+  kFast,     // 1 direction; steps of 2 texels, at most 16, or at most 24 visits of a patch
+  kDefault,  // 3 directions; steps of 1 texel, at most 32, or at most 48 visits
   kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
 };
 // Over footprints of more texels of the geometry image than this, kFast and kDefault are one: 1 direction,
-// steps of a quarter of the footprint, at most 32, or at most 18 visits.
+// steps of a quarter of the footprint, at most 32, or at most 24 visits.
 inline constexpr float kCoarseFootprint = 6;
 inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault,
                                       Lookup::kQuality};

@@ -171,11 +171,11 @@ std::string cookedText(const std::string& meta_text) {
       text += "\n";
     }
     for (const Json& level : meta.value("levels", Json::array())) {
-      text += formatted("lambda %d: RMSE of Y", level.at("level").get<int>());
-      if (const auto near = level.find("near_rmse_y"); near != level.end())
+      text += formatted("lambda %d: RMSE of RGB", level.at("level").get<int>());
+      if (const auto near = level.find("near_rmse_rgb"); near != level.end())
         text += formatted(" %.4f by the near term,", near->get<double>());
       text += " by the bands with 1, 2 ... quads of the coarsest";
-      for (const Json& rmse : level.at("quads_rmse_y")) text += formatted(" %.4f", rmse.get<double>());
+      for (const Json& rmse : level.at("quads_rmse_rgb")) text += formatted(" %.4f", rmse.get<double>());
       text += "\n";
     }
     if (const auto lookup = meta.find("lookup"); lookup != meta.end()) {

@@ -22,8 +22,13 @@ constexpr QuadLevels kNever{kNoEnd, -kNoEnd};
 constexpr double kFirstBegin = 0.25, kLastEnd = kNearLevels, kStep = 0.25;
 constexpr double kNarrowest = 0.75;  // so that nothing jumps: a step of .01 of lambda changes w by 1/75
 
-double luma(const glm::dvec3& rgb) {
-  return std::min(yccFromRgb(rgb).x, 1.0);
+// As a display shows it, so that single peaks do not decide.
+glm::dvec3 shown(const glm::dvec3& rgb) {
+  return glm::clamp(rgb, 0.0, 1.0);
+}
+// The mean over the channels.
+double meanProduct(const glm::dvec3& a, const glm::dvec3& b) {
+  return glm::dot(a, b) / 3;
 }
 
 // The near term alone, and the bands alone with 1, 2 and more quads of the coarsest.
@@ -61,8 +66,8 @@ LevelTrial measured(const Candidates& candidates, const YccBtf& btf, int level, 
   const int per_view = std::max(1, kSamples / btf.views());
   std::vector<LevelTrial> of_view(size_t(btf.views()), none);
   parallelFor(of_view.size(), threads, [&](size_t v) {
-    Matrix truth;
-    btf.read(0, int(v), truth);
+    Matrix truth[3];
+    for (int c = 0; c < 3; ++c) btf.read(c, int(v), truth[c]);
     const glm::dvec3& wo = views.samples[v];
     for (int s = 0; s < per_view; ++s) {
       const uint64_t seed = mixSeed(v, uint64_t(s));
@@ -70,17 +75,17 @@ LevelTrial measured(const Candidates& candidates, const YccBtf& btf, int level, 
       const int l = std::min(int(uniform(seed, 1) * btf.lights()), btf.lights() - 1);
       const glm::dvec3& wi = lights.samples[size_t(l)];
       const glm::dvec2 texel(t % btf.side(), t / btf.side());
-      const double given = std::min(truth(t, l), 1.0);
+      const glm::dvec3 given = shown(rgbFromYcc(glm::dvec3(truth[0](t, l), truth[1](t, l), truth[2](t, l))));
       const auto valueOf = [&](const Evaluator& evaluator) {
         const auto hit = evaluator.findHit((texel + 0.5) / double(btf.side()), double(level), wo);
-        return luma(evaluator.evaluate(hit, wi, wo));
+        return shown(evaluator.evaluate(hit, wi, wo));
       };
       LevelTrial& sums = of_view[v];
-      const double near = with_near ? valueOf(*candidates.near) - given : 0;
-      sums.near_mse += near * near;
+      const glm::dvec3 near = with_near ? valueOf(*candidates.near) - given : glm::dvec3(0);
+      sums.near_mse += meanProduct(near, near);
       for (size_t k = 0; k < counts; ++k) {
-        const double bands = valueOf(candidates.bands[k]) - given;
-        sums.quads[k].mse += bands * bands, sums.quads[k].product += near * bands;
+        const glm::dvec3 bands = valueOf(candidates.bands[k]) - given;
+        sums.quads[k].mse += meanProduct(bands, bands), sums.quads[k].product += meanProduct(near, bands);
       }
     }
   });

@@ -9,8 +9,8 @@
 
 namespace loden::importer {
 
-// Mean squared errors of Y at one level of detail. Y is clamped to white, as displays show it, so that single
-// peaks do not decide.
+// Mean squared errors at one level of detail, over the channels of linear RGB. Values are clamped to white,
+// as displays show them, so that single peaks do not decide.
 struct LevelTrial {
   // Errors of the bands, if only the first quads of the coarsest one are read.
   struct Quads {

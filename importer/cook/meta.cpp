@@ -134,9 +134,9 @@ std::string cookMeta(const Material& material, const std::string& input, const s
   if (fit)
     for (const LevelTrial& trial : fit->levels) {
       nlohmann::ordered_json of_level = {{"level", trial.level}};
-      if (trial.near_mse > 0) of_level["near_rmse_y"] = std::sqrt(trial.near_mse);
+      if (trial.near_mse > 0) of_level["near_rmse_rgb"] = std::sqrt(trial.near_mse);
       for (const LevelTrial::Quads& quads : trial.quads)
-        of_level["quads_rmse_y"].push_back(std::sqrt(quads.mse));
+        of_level["quads_rmse_rgb"].push_back(std::sqrt(quads.mse));
       meta["levels"].push_back(std::move(of_level));
     }
   if (!material.geometry.empty() && material.mode != Mode::kLod)

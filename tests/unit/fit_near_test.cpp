@@ -286,7 +286,7 @@ TEST_F(FitNear, LevelsReadAsManyQuadsAsTheyNeed) {
   for (size_t i = 0; i < levels.size(); ++i) {
     const double lambda = levels[i]["level"];
     if (lambda < double(material.surface->fade_end)) continue;
-    const auto rmse = levels[i]["quads_rmse_y"].get<std::vector<double>>();
+    const auto rmse = levels[i]["quads_rmse_rgb"].get<std::vector<double>>();
     ASSERT_EQ(rmse.size(), size_t(band.quads()));
     size_t count = 1;
     while (count < rmse.size() && quadShare(band, int(count), lambda) > 0) ++count;

@@ -103,7 +103,8 @@ class TypeCheck {
 std::vector<Issue> wrongTypes(const nlohmann::ordered_json& scene, const std::string& name) {
   using Json = nlohmann::ordered_json;
   TypeCheck check(name);
-  for (const char* list : {"materials", "meshes", "buffers", "bufferViews", "images", "accessors"})
+  for (const char* list :
+       {"materials", "meshes", "buffers", "bufferViews", "images", "textures", "samplers", "accessors"})
     check.list(scene, "", list, &Json::is_object, "an object");
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     check.list(scene, "", list, &Json::is_string, "a string");

@@ -24,7 +24,8 @@ void setNull(nlohmann::ordered_json& value) noexcept;
 // The object's member, which is added as null if there is none. If `object` is null it becomes an object
 // first.
 nlohmann::ordered_json& memberOf(nlohmann::ordered_json& object, const std::string& key);
-// The object's member as an array: if it is absent or has another type it is replaced by an empty array.
+// The object's member as an array, which is added as an empty one if it is absent. A member of another type
+// is replaced by an empty array; callers refuse those first (wrongTypes in gltf_document.h).
 nlohmann::ordered_json& listOf(nlohmann::ordered_json& object, const std::string& key);
 // A new, null element at the end of an array.
 nlohmann::ordered_json& appendTo(nlohmann::ordered_json& array);

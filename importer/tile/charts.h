@@ -34,8 +34,8 @@ double packCharts(Tile& tile);
 // The side, in periods, of the largest square that never overlaps two charts, nor, where they extend along x
 // or y, a chart and its own repetition. (Texels, and what a linear filter reads, are squares.) 1 if there is
 // one chart that meets itself everywhere. It is counted in cells of 1/256 that no triangle overlaps, and is
-// less than two cells too small, and never too large for charts that are the nearest to the centre of some
-// cell.
+// less than two cells too small. It is never too large, unless a chart is so small that it is the nearest one
+// to no cell's centre.
 double gutterOf(const Tile& tile);
 
 // The chart that each texel of a map over p belongs to: the one that covers it, or in gutters the nearest

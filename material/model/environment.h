@@ -4,8 +4,8 @@
 // Let L(w) = sum_k c_k h_k(w) be the radiance over the hemisphere of the tangent frame. The light that a band
 // with weights D and table E scatters towards wo is
 //   integral L(w) dot(D, E(w, wo)) dw = sum_k c_k dot(D, T_k(wo)),  T_k(wo) = integral h_k(w) E(w, wo) dw,
-// so that the T_k take the table's place. shaders/loden_environment.glsl mirrors this file and
-// Evaluator::evaluateEnvironment.
+// so that the T_k take the table's place. shaders/loden_environment.glsl computes on the GPU what
+// Evaluator::evaluateEnvironment does.
 #pragma once
 
 #include <array>

@@ -257,6 +257,8 @@ TEST(Pack, MembersOfAnotherType_AreIssuesWithTheirPlace) {
       {"\"uri\": \"scene.bin\"", "\"uri\": 5", "buffers[0].uri"},
       {"[\"VENDOR_thing\"]", "{}", "extensionsUsed"},
       {"\"scene\": 0", "\"images\": [4]", "images[0]"},
+      {"\"scene\": 0", "\"samplers\": {}", "samplers"},
+      {"\"scene\": 0", "\"textures\": 3", "textures"},
   };
   for (const auto& [from, to, place] : cases) {
     SCOPED_TRACE(to);

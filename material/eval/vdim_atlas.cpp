@@ -209,10 +209,10 @@ size_t columnAt(const glm::dvec3& place) {
 // Surface points in columns over one period, to find the one nearest to a place.
 class PointColumns {
  public:
-  // Of patches that face up, where views meet a surface first; of all, if none does.
+  // Without undersides, which views from above hardly meet first; of all patches, if nothing else is there.
   explicit PointColumns(const GeometryImage& image) : columns_(size_t(kVolumeSide) * kVolumeSide) {
-    add(image, true);
-    if (empty_) add(image, false);
+    add(image, kUnderside);
+    if (empty_) add(image, -1);
   }
   bool empty() const { return empty_; }
 
@@ -243,13 +243,17 @@ class PointColumns {
     double distance = 1e30;  // squared
   };
 
-  void add(const GeometryImage& image, bool facing_up_alone) {
+  // The cosine of normal and z from which on a patch is an underside. Steeper ones are seen at grazing views.
+  static constexpr double kUnderside = -0.5;
+
+  // The patches with at least that cosine.
+  void add(const GeometryImage& image, double least) {
     const int n = image.side();
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const Patch<double> patch = fetchPatch<double>(image, i, j);
-        const bool up = glm::cross(patch.p11 - patch.p00, patch.p01 - patch.p10).z >= 0;
-        if (patch.chart == 0 || (facing_up_alone && !up)) continue;
+        const glm::dvec3 normal = glm::cross(patch.p11 - patch.p00, patch.p01 - patch.p10);
+        if (patch.chart == 0 || normal.z < least * glm::length(normal)) continue;
         const glm::dvec3 at = 0.25 * (patch.p00 + patch.p10 + patch.p01 + patch.p11);
         columns_[columnAt(at)].push_back({at, glm::dvec2((i + 1.0) / n, (j + 1.0) / n)});
         empty_ = false;

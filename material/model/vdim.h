@@ -56,8 +56,8 @@ struct VdimAtlas {
   // Layer v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
   Texture depth;
   // 32 x 32 x 8 volume over [0,1)^2 x [0, -range.z] (z slice 0 is the top), RG16 snorm: twice p - X.xy,
-  // wrapped into [-.5, .5], of the nearest surface point to the voxel's centre that faces up. Empty on
-  // identity parameterizations.
+  // wrapped into [-.5, .5], of the surface point nearest to the voxel's centre, but for
+  // undersides. Empty on identity parameterizations.
   Texture volume;
   size_t bytes() const { return geometry.texels.data.size() + depth.data.size() + volume.data.size(); }
 };

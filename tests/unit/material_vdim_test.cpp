@@ -108,6 +108,16 @@ TEST_P(VdimOnWaves, FastLookupMissesMoreForFewerFetches) {
   EXPECT_LE(counts.fetches, 6 * static_cast<int>(views.size()));
 }
 
+// Crests that lean so far that much of the surface lies under itself: a search may begin on the underside.
+TEST(Vdim, FoldsAreSearchedOnTheirUpperSide) {
+  const auto views = randomViews(4000, 75);
+  for (const double height : {0.05, 0.15})
+    for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) {
+      const LookupCounts counts = countLookups(waveImage(128, height, 0.8), lookup, views);
+      EXPECT_LE(counts.wrong, 0.005 * double(views.size())) << height << ", " << lookupName(lookup);
+    }
+}
+
 // Each lookup by its name, with the fetches that it is said to take.
 TEST_P(VdimOnWaves, EveryLookupIsOneFunctionsParameter) {
   const GeometryImage image = waveImage(128, 0.15, GetParam());

@@ -8,29 +8,41 @@ const float LODEN_INSIDE = 0.1;         // texels beyond a patch at which its ex
 const float LODEN_INSIDE_SHARE = 0.05;  // of the footprint: the same
 const float LODEN_INSIDE_MOST = 0.5;    // the same, at most
 const float LODEN_STEP_SHARE = 0.25;    // of the footprint: steps of the march
-const float LODEN_COARSE = 6.0;         // texels of a footprint over which both efforts are one
+const float LODEN_STEEP = 1.5;          // slope of walls that a step of the march shall not pass by
+const float LODEN_SHORTEST = 0.8;       // of a step: the shortest near the surface
+const float LODEN_LONGEST = 2.0;        // the same: the longest far above it
+const float LODEN_COARSE = 6.0;         // units of a footprint over which both efforts are one
+const float LODEN_SPAN = 128.0;         // units to a period, where finer images are read in steps that long
 
 // What a lookup spends. One of the constants, but for what grows with the footprint that the answer is shown
-// over. Lengths are in texels of the geometry image.
+// over. Units of length are texels of the geometry image; of one with more than 128 per side they are 128ths
+// of the period, but two texels at most, so that a finer image takes no more fetches.
 struct LodenEffort {
   int layers;     // directions of the atlas whose depths are read: 1 or 3
   int visits;     // of patches, at most
-  float step_;    // of the march, along the plane
-  float samples;  // of the march, at most
-  float inside;   // beyond a patch, at which its extension still counts as the surface
+  float step_;    // of the march along the plane, units
+  float samples;  // of the march in equal steps, at most
+  float inside;   // texels beyond a patch at which its extension still counts as the surface
 };
 const LodenEffort LODEN_EFFORT_FAST = {1, 24, 2.0, 16.0, LODEN_INSIDE};
 const LodenEffort LODEN_EFFORT_DEFAULT = {3, 48, 1.0, 32.0, LODEN_INSIDE};
 
+// Units of LodenEffort in a period.
+float loden_effort_units() {
+  float n = loden_material.geometry_side;
+  return max(0.5 * n, min(n, LODEN_SPAN));
+}
+
 // Of an answer that is shown at that level of detail, which hides what is finer.
 LodenEffort loden_effort_over(LodenEffort effort, float lambda) {
-  float footprint = exp2(lambda) * loden_material.geometry_side / loden_material.side;
+  float footprint = exp2(lambda) * loden_effort_units() / loden_material.side;
   bool coarse = footprint > LODEN_COARSE;
   effort.layers = coarse ? LODEN_EFFORT_FAST.layers : effort.layers;
   effort.visits = coarse ? LODEN_EFFORT_FAST.visits : effort.visits;
   effort.samples = coarse ? LODEN_EFFORT_DEFAULT.samples : effort.samples;
   effort.step_ = max(coarse ? LODEN_EFFORT_DEFAULT.step_ : effort.step_, LODEN_STEP_SHARE * footprint);
-  effort.inside = clamp(LODEN_INSIDE_SHARE * footprint, LODEN_INSIDE, LODEN_INSIDE_MOST);
+  float texels = footprint * loden_material.geometry_side / loden_effort_units();
+  effort.inside = clamp(LODEN_INSIDE_SHARE * texels, LODEN_INSIDE, LODEN_INSIDE_MOST);
   return effort;
 }
 #ifdef LODEN_LOOKUP_FAST
@@ -368,7 +380,8 @@ float loden_height_at(vec2 x) {
   return (textureLod(loden_height, x, 0.0).x - 1.0) * loden_material.geometry_range.z;
 }
 
-// A march down a straight ray: the last sample above the height field and the first below it.
+// A march down a straight ray, in steps by how high it is above the surface: the last sample above the height
+// field and the first below it.
 struct LodenMarch {
   float above, below;          // z
   float gap_above, gap_below;  // heights of the surface over them; of the first sample a little below 0
@@ -394,7 +407,7 @@ LodenStretch loden_marched_stretch(LodenViewRay ray, float lowest, LodenEffort e
   lowest = max(lowest, -range);
   float top = clamp(high + LODEN_MARGIN * range, lowest, 0.0);
   float bottom = max(low - LODEN_MARGIN * range, lowest);
-  float travel = (top - bottom) * sqrt(dot(ray.slope, ray.slope)) * loden_material.geometry_side;
+  float travel = (top - bottom) * sqrt(dot(ray.slope, ray.slope)) * loden_effort_units();
   float samples = clamp(ceil(travel / effort.step_), 2.0, effort.samples);
   LodenStretch stretch = {top, min(bottom - top, 0.0) / samples, samples};
   return stretch;
@@ -403,15 +416,18 @@ LodenStretch loden_marched_stretch(LodenViewRay ray, float lowest, LodenEffort e
 LodenMarch loden_march(LodenViewRay ray, LodenEffort effort) {
   float range = loden_material.geometry_range.z;
   LodenStretch stretch = loden_marched_stretch(ray, LODEN_NONE, effort);
-  float samples = stretch.samples;
+  float samples = stretch.samples / LODEN_SHORTEST, step_ = stretch.step_;
+  float bottom = stretch.top + stretch.step_ * stretch.samples;
+  float per_gap = 1.0 / (1.0 + LODEN_STEEP * sqrt(dot(ray.slope, ray.slope)));
   LodenMarch march = {stretch.top, stretch.top, 0.0, -1e-4 * range, false};
   do {
     march.above = march.below;
     march.gap_above = march.gap_below;
-    march.below += stretch.step_;
+    march.below = max(march.below + step_, bottom);
     march.gap_below = loden_height_at(ray.x + ray.slope * march.below) - march.below;
+    step_ = clamp(march.gap_below * per_gap, LODEN_LONGEST * stretch.step_, LODEN_SHORTEST * stretch.step_);
     march.found = march.gap_below >= -LODEN_TOUCHING * range;
-    samples = march.found ? 0.0 : samples - 1.0;
+    samples = march.found || march.below <= bottom ? 0.0 : samples - 1.0;
   } while (samples > 0.0);
   return march;
 }

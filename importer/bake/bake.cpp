@@ -9,6 +9,7 @@
 
 #include "importer/bake/bake_folder.h"
 #include "importer/bake/bake_scene.h"
+#include "importer/bake/geometry_side.h"
 #include "importer/bake/surface_samples.h"
 #include "importer/bake/view_fill.h"
 #include "importer/base/parallel.h"
@@ -82,7 +83,8 @@ BakeManifest manifestOf(const Tile& tile, const std::string& tile_name, const Ba
   m.size = o.size;
   m.flat_size = o.flat_size > 0 ? o.flat_size : std::max(o.size, needed);
   m.surface_size = o.surface_size > 0 ? o.surface_size : std::max(std::min(2 * o.size, 4096), needed);
-  m.geometry_size = o.geometry_size > 0 ? o.geometry_size : std::max({128, o.size, needed});
+  m.geometry_size =
+      o.geometry_size > 0 ? o.geometry_size : geometrySideOf(tile, std::max({128, o.size, needed}));
   m.supersample = o.supersample;
   m.bounces = o.bounces;
   m.fill = o.fill;

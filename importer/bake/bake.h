@@ -20,7 +20,7 @@ struct BakeOptions {
   int size = 64;            // reference texels per side
   int flat_size = 0;        // texels per side of the Flat-BTF; 0: as size
   int surface_size = 0;     // texels per side of the surface maps; 0: twice the size
-  int geometry_size = 0;    // texels per side of the geometry image; 0: max(128, size)
+  int geometry_size = 0;    // texels per side of the geometry image; 0: max(128, size), or twice that
   DirectionSet directions;  // lights and views; empty: bonn81
   // VDIMs to write: lat-long maps of zeniths x azimuths.
   std::vector<glm::ivec2> vdims{{16, 16}, {8, 32}};

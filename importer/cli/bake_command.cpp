@@ -71,8 +71,11 @@ class BakeCommand : public Command {
                     "Texels per side of the Flat-BTF; 0: as --size, or what the tile's charts need", 0, 4096);
     options.integer("--surface-size", bake_.surface_size,
                     "Texels per side of the surface's normal and reflectance; 0: twice --size", 0, 4096);
-    options.integer("--geometry-size", bake_.geometry_size,
-                    "Texels per side of the geometry image; 0: 128, or as --size if that is more", 0, 2048);
+    options.integer(
+        "--geometry-size", bake_.geometry_size,
+        "Texels per side of the geometry image; 0: 128, or as --size if that is more, and twice as many for "
+        "height fields that need them",
+        0, 2048);
     options.text("--directions", directions_, "Sampled lights and views: bonn81, ubo151 or NxN (concentric)");
     options.texts("--vdim", vdims_,
                   "Indirection maps, with commas between: latlong:ZxA (p - x), concentric:N (depths on the "

@@ -13,6 +13,9 @@ namespace loden::importer {
 // makes .5 MB. More bytes gain little, since the look-up's misses then depend on the number of its
 // candidates.
 inline constexpr uint64_t kMostAtlasBytes = 400'000;  // bytes of the depths
+// The same for this tile: a height field that takes more than 128 x 128 heights has so many fewer depths,
+// down to half of them, since they only bound the march over its heights.
+uint64_t mostAtlasBytes(const GeometryImage& geometry);
 
 struct AtlasTrial {
   VdimAtlasSize size;
@@ -25,9 +28,9 @@ struct AtlasChoice {
   std::vector<AtlasTrial> trials;
 };
 
-// The splits that are tried: even numbers of directions per side, each with as many texels as kMostAtlasBytes
+// The splits that are tried: even numbers of directions per side, each with as many texels as the bytes
 // allow.
-std::vector<VdimAtlasSize> atlasCandidates();
+std::vector<VdimAtlasSize> atlasCandidates(uint64_t bytes = kMostAtlasBytes);
 
 // The chosen size. First the candidate with the least product of mean error and share of errors over a texel
 // is found, which weighs equally how often the look-up misses and by how much. Then half, a quarter and an

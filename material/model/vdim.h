@@ -110,12 +110,12 @@ enum class Lookup : uint32_t {
   // By the atlas. In height fields over flat surfaces a march over the heights between the bounds that depths
   // of the nearest directions set; else a search from depths, at each of several points of a ray that bends
   // much.
-  kFast,     // 1 direction; steps of 2 texels, at most 16, or at most 24 visits of a patch
-  kDefault,  // 3 directions; steps of 1 texel, at most 32, or at most 48 visits
+  kFast,     // 1 direction; steps of some 2 texels, at most 20, or at most 24 visits of a patch
+  kDefault,  // 3 directions; steps of some 1 texel, at most 40, or at most 48 visits
   kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
 };
-// Over footprints of more texels of the geometry image than this, kFast and kDefault are one: 1 direction,
-// steps of a quarter of the footprint, at most 32, or at most 24 visits.
+// Texels (beyond 128 per side, 128ths of the period, but two texels at most) of a footprint over which kFast
+// and kDefault are one: 1 direction, steps of a quarter of it, at most 40, or at most 24 visits.
 inline constexpr float kCoarseFootprint = 6;
 inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault,
                                       Lookup::kQuality};

@@ -25,6 +25,12 @@ const char* lookupDefine(Lookup lookup) {
   return nullptr;
 }
 
+// loden_effort_units of shaders/loden_vdim.glsl.
+float effortUnits(int geometry_side) {
+  const auto n = float(geometry_side);
+  return std::max(0.5f * n, std::min(n, 128.0f));
+}
+
 }  // namespace
 
 const ProgramRow* findProgramRow(std::string_view name) {
@@ -82,8 +88,8 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
 
 MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range) {
   MaterialVariant left = variant;
-  const float texels = float(skeleton.geometry.side()) / float(skeleton.side);
-  if (std::exp2(range.least) * texels > kCoarseFootprint) {
+  const float units = effortUnits(skeleton.geometry.side()) / float(skeleton.side);
+  if (std::exp2(range.least) * units > kCoarseFootprint) {
     if (left.lookup == Lookup::kDefault) left.lookup = Lookup::kFast;
     if (left.visibility == Visibility::kDefault) left.visibility = Visibility::kFast;
   }

@@ -101,6 +101,13 @@ TEST(ShaderVariants, TakeTheFastLookupOverWideFootprints) {
   EXPECT_EQ(beyond.lookup, Lookup::kFast);
   EXPECT_NE(beyond.visibility, Visibility::kDefault);
   EXPECT_TRUE(rowAllows(forwardRow(), beyond));
+  // A finer image than the lookups' unit is looked up as one of that unit.
+  const int side = material.side = 128;
+  for (const int finer : {side, 2 * side}) {
+    material.geometry.texels.width = finer;
+    EXPECT_EQ(narrowed(*variant, material, {coarse - 0.01f, 9}).lookup, Lookup::kDefault);
+    EXPECT_EQ(narrowed(*variant, material, {coarse + 0.01f, 9}).lookup, Lookup::kFast);
+  }
 }
 
 // Every variant of scene_forward; of the other rows, which differ from it in what surrounds the material, and

@@ -157,6 +157,21 @@ TEST(AtlasChoice, AShallowTileGetsASmallAtlas) {
   EXPECT_GT(vdimDepthBytes(deep.size), kMostAtlasBytes / 2);
 }
 
+// What a finer image of heights takes on the GPU is less for the depths.
+TEST(AtlasChoice, FinerHeightsTakeBytesOfTheDepths) {
+  const auto bytes = [](int side, bool heights) {
+    GeometryImage image;
+    image.texels = Texture::make(TexelFormat::kRGBA16Unorm, TextureShape::kArray2D, side, side, 1, 1);
+    image.identity_parameterization = heights;
+    return mostAtlasBytes(image);
+  };
+  EXPECT_EQ(bytes(64, true), kMostAtlasBytes);
+  EXPECT_EQ(bytes(128, true), kMostAtlasBytes);
+  EXPECT_EQ(bytes(256, true), kMostAtlasBytes - 2 * (256 * 256 - 128 * 128));
+  EXPECT_EQ(bytes(1024, true), kMostAtlasBytes / 2);
+  EXPECT_EQ(bytes(256, false), kMostAtlasBytes);
+}
+
 // The lookup of the fit is that of the asset: the split of texels and directions that errs least on this
 // geometry, and the asset says so.
 TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {

@@ -51,6 +51,21 @@ TEST(Bake, FlatBtfAtItsVdimIsTheBtf) {
   EXPECT_LT(difference, 0.02);
 }
 
+// Twice as many texels where patches between the usual ones would be off, and where they are two bytes each.
+TEST(Bake, GeometryImagesOfSteepHeightFieldsAreFiner) {
+  const auto sideOf = [](const Tile& tile, int geometry_size) {
+    const TemporaryFolder folder;
+    BakeOptions options = smallBake();
+    options.maps = {.btf = false, .flat = false, .vdim = false, .surface = true};
+    options.geometry_size = geometry_size;
+    return baked(tile, folder.path(), options).manifest().geometry_size;
+  };
+  EXPECT_EQ(sideOf(testing::groovedTile(), 0), 128);
+  EXPECT_EQ(sideOf(*builtinTile("sponge", 192), 0), 256);
+  EXPECT_EQ(sideOf(*builtinTile("sponge", 192), 64), 64) << "as asked for";
+  EXPECT_EQ(sideOf(*builtinTile("isba", 48), 0), 128) << "no height field";
+}
+
 TEST(Bake, ConcentricVdim_HoldsDepthsOfTheFirstHitOnTheRuntimesGrid) {
   const auto height = [](glm::dvec2 p) { return 0.1 * (std::cos(2 * kPi * p.x) - 1); };
   const Tile tile = testing::heightFieldTile(96, height);

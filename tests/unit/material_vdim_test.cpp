@@ -197,6 +197,41 @@ int wrongDepths(const GeometryImage& image, const Texture& depth, double range_z
 }
 
 // The depth buffer against rays, but for rays that graze an edge.
+// Round pores with steep walls.
+GeometryImage poreImage(int side) {
+  std::vector<glm::dvec3> points;
+  for (int t = 0; t < side * side; ++t) {
+    const glm::dvec2 p = (glm::dvec2(t % side, t / side) + 0.5) / double(side);
+    const double radius = glm::length(glm::fract(4.0 * p) - 0.5) / 4;
+    points.emplace_back(p, -0.2 * (1 - glm::smoothstep(0.06, 0.11, radius)));
+  }
+  return encodeGeometryImage(side, points, std::vector<uint16_t>(points.size(), 1), true);
+}
+
+// The march's steps are parts of the period where the image is finer than it has to be.
+TEST(Vdim, AFinerHeightFieldIsNearerAndTakesNoMoreFetches) {
+  const GeometryImage truth = poreImage(512);
+  const GeometryTracer tracer(truth);
+  const std::vector<View> views = randomViews(2000, 75);
+  for (const Lookup lookup : {Lookup::kFast, Lookup::kDefault}) {
+    double error[2] = {}, fetches[2] = {};
+    for (const int finer : {0, 1}) {
+      const GeometryImage image = poreImage(128 << finer);
+      const VdimAtlas atlas = buildVdimAtlas(image, {});
+      VdimMaps maps;
+      maps.atlas = &atlas;
+      for (const View& view : views) {
+        const auto hit = vdimLookup<double>(maps, lookup, view.x, view.wo);
+        const glm::dvec2 off = hit.p - tracer.traceView(view.x, view.wo)->p;
+        error[finer] += std::min(glm::length(off - glm::round(off)), 0.02);
+        fetches[finer] += hit.fetches;
+      }
+    }
+    EXPECT_LT(error[1], 0.8 * error[0]);
+    EXPECT_LT(fetches[1], 1.03 * fetches[0]);
+  }
+}
+
 TEST(Vdim, AtlasHoldsTheDepthsOfFirstHits) {
   for (const double lean : {0.0, 0.35}) {
     const GeometryImage image = waveImage(64, 0.2, lean);

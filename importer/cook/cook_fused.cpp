@@ -161,7 +161,7 @@ constexpr int kErrorSamples = 20000;  // random texels, lights and views
 constexpr int kErrorPoints = 2;       // evaluations per side of a texel
 // The default lookup towards the light takes up to twice the fetches of the fast one: it has to leave no more
 // than this share of the error.
-constexpr double kDefaultGain = 0.95;
+constexpr double kDefaultGain = 0.9;
 
 void advance(Progress* progress, uint64_t steps) {
   if (progress) progress->advance(steps);

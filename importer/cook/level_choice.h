@@ -40,7 +40,7 @@ struct LevelTrial {
 inline constexpr double kFadeLoss = 0.03;
 inline constexpr double kQuadLoss = 0.1;
 inline constexpr double kBlendLoss = 0.03;
-inline constexpr double kQuadFloor = 0.0125;  // root mean square, white = 1: 38 dB
+inline constexpr double kQuadFloor = 0.0175;  // root mean square, white = 1: 35 dB
 std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
                                      const DirectionSet& views, int threads);
 

@@ -307,15 +307,17 @@ LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
   float square = c1 * c1 - 4.0 * c2 * c0, root = sqrt(max(square, 0.0));
   float a = c1 > 0.0 ? -2.0 * c0 / (c1 + root) : (root - c1) / (abs(c2) > 1e-20 ? 2.0 * c2 : 1e-20);
   bool faces = c1 > 0.0 || (square > 0.0 && abs(a - ab.x) < LODEN_REACH);
-  a = clamp(a, ab.x - LODEN_REACH, ab.x + LODEN_REACH);
+  // A patch that faces away is of the underside of a fold: what the ray may meet there is uphill.
+  vec2 uphill = LODEN_REACH * sign(vec2(patch_.p10.z, patch_.p01.z) - patch_.p00.z);
+  a = ab.x + (faces ? clamp(a - ab.x, -LODEN_REACH, LODEN_REACH) : uphill.x);
   vec2 from = q00 + q10 * a, along = q01 + q11 * a;
   float b = -dot(from, along) / max(dot(along, along), 1e-20);
-  b = clamp(b, ab.y - LODEN_REACH, ab.y + LODEN_REACH);
+  b = ab.y + (faces ? clamp(b - ab.y, -LODEN_REACH, LODEN_REACH) : uphill.y);
   vec2 q = from + along * b;
   float z = mix(mix(patch_.p00.z, patch_.p10.z, a), mix(patch_.p01.z, patch_.p11.z, a), b);
   float residual = max(abs(q.x), abs(q.y)) * n;
   LodenVisit visit;
-  visit.h = faces ? z : h;
+  visit.h = z;
   if (ray.bent) {
     // On to the point of the ray that is nearest along it, and how far that is off across it.
     vec2 point = q + line.x + line.slope * (z - line.z) - ray.x;
@@ -326,9 +328,7 @@ LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
     residual = sqrt(dot(beside, beside)) * n * (LODEN_INSIDE / LODEN_BENT_RESIDUAL);
   }
   vec2 centred = abs(vec2(a, b) - 0.5);
-  // A patch that faces away is of the underside of a fold: what the ray may meet there is uphill.
-  vec2 uphill = ab + LODEN_REACH * sign(vec2(patch_.p10.z, patch_.p01.z) - patch_.p00.z);
-  visit.p = (base + (faces ? vec2(a, b) : uphill) + 0.5) / n + shift;
+  visit.p = (base + vec2(a, b) + 0.5) / n + shift;
   visit.miss = max(max(centred.x, centred.y) - 0.5, residual);
   if (!faces)
     visit.miss = LODEN_AWAY;

@@ -161,7 +161,7 @@ constexpr int kErrorSamples = 20000;  // random texels, lights and views
 constexpr int kErrorPoints = 2;       // evaluations per side of a texel
 // The default lookup towards the light takes up to twice the fetches of the fast one: it has to leave no more
 // than this share of the error.
-constexpr double kDefaultGain = 0.9;
+constexpr double kDefaultGain = 0.975;
 
 void advance(Progress* progress, uint64_t steps) {
   if (progress) progress->advance(steps);
@@ -195,20 +195,20 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
     fit.levels = chooseLevels(m, in.btf, in.source.lights(), in.source.views(), in.threads);
     advance(progress, 2);
   }
-  fit.near = measure(kErrorPoints);
-  // The frugal lookup, unless another is clearly better.
+  // The frugal lookup, unless another is clearly better with one evaluation, as pictures have it.
   if (!plan.visibility && m.surface->visibility != Visibility::kNone) {
-    const double fast = fit.near->channel[0].rmse();
+    double least = measure(1).channel[0].rmse();
     for (const auto& [visibility, gain] :
          {std::pair{Visibility::kDefault, kDefaultGain}, {Visibility::kNone, 1.0}}) {
       const Visibility before = std::exchange(m.surface->visibility, visibility);
-      const SampledError other = measure(kErrorPoints);
-      if (other.channel[0].rmse() < gain * std::min(fast, fit.near->channel[0].rmse()))
-        fit.near = other;
+      const double other = measure(1).channel[0].rmse();
+      if (other < gain * least)
+        least = other;
       else
         m.surface->visibility = before;
     }
   }
+  fit.near = measure(kErrorPoints);
   fit.near_at_centres = measure(1);
   for (int c = 0; c < 3; ++c) fit.error.channel[c] = fit.near->channel[c];
 }

@@ -195,21 +195,20 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
     fit.levels = chooseLevels(m, in.btf, in.source.lights(), in.source.views(), in.threads);
     advance(progress, 2);
   }
+  fit.near_at_centres = measure(1);
   // The frugal lookup, unless another is clearly better with one evaluation, as pictures have it.
   if (!plan.visibility && m.surface->visibility != Visibility::kNone) {
-    double least = measure(1).channel[0].rmse();
     for (const auto& [visibility, gain] :
          {std::pair{Visibility::kDefault, kDefaultGain}, {Visibility::kNone, 1.0}}) {
       const Visibility before = std::exchange(m.surface->visibility, visibility);
-      const double other = measure(1).channel[0].rmse();
-      if (other < gain * least)
-        least = other;
+      const SampledError other = measure(1);
+      if (other.channel[0].rmse() < gain * fit.near_at_centres->channel[0].rmse())
+        fit.near_at_centres = other;
       else
         m.surface->visibility = before;
     }
   }
   fit.near = measure(kErrorPoints);
-  fit.near_at_centres = measure(1);
   for (int c = 0; c < 3; ++c) fit.error.channel[c] = fit.near->channel[c];
 }
 

@@ -49,7 +49,6 @@ int coarseMips(const FusedPlan& plan, int half) {
 // What the fits of both bands share.
 struct FusedInput {
   const BtfSource& source;
-  const YccBtf& btf;
   const Material& material;  // mean and geometry are set
   Matrix means;              // of each image, (views * lights) x 3
   Matrix mean;               // the fitted mean at the samples, of the same shape
@@ -57,13 +56,13 @@ struct FusedInput {
 };
 
 // Cb and Cr of the fine band beyond a ratio to the luma that results.
-void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& plan,
+void fitFlatChroma(const FusedInput& in, const YccBtf& btf, const Indirection& a, const FusedPlan& plan,
                    const DirectionGrid& grid, const ColumnBlocks& luma, FlatFitOptions fit,
                    BandFactors& factors) {
   fit.components = plan.chroma_components;
   fit.sweeps = kChromaSweeps;
   for (const int channel : {1, 2}) {
-    const ColumnBlocks rest = ratioResidual(in.btf, channel, luma, factors.ratio[0], a);
+    const ColumnBlocks rest = ratioResidual(btf, channel, luma, factors.ratio[0], a);
     Factors& f = channel == 1 ? factors.cb : factors.cr;
     f.weights = quantisedWeights(fitFlat(rest, a, fit).factors.weights, plan.storage);
     f.basis = factors.on_grid ? solveGridBasis(rest, a, f.weights, grid, in.source.lights(),
@@ -74,16 +73,16 @@ void fitFlatChroma(const FusedInput& in, const Indirection& a, const FusedPlan& 
 
 // The fine band: joint fit of Y through the lookup, then the table again for the weights as they are stored,
 // then chroma as a ratio to the Y that results, and what that leaves where components are given for it.
-Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& plan) {
+Band fitFlatBand(const FusedInput& in, const YccBtf& btf, const Indirection& a, const FusedPlan& plan) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
   const DirectionGrid grid = gridFor(lights, 6, plan.phis);
   BandFactors factors;
-  factors.side = flatSide(plan, in.btf.side());
-  const ColumnBlocks luma = centredBlocks(in.btf, 0, in.mean);
+  factors.side = flatSide(plan, btf.side());
+  const ColumnBlocks luma = centredBlocks(btf, 0, in.mean);
   FlatFitOptions fit;
   fit.components = plan.y_components;
   fit.sweeps = plan.sweeps;
-  fit.owners = chartOwners(flatSide(plan, in.btf.side()), in.material.geometry);
+  fit.owners = chartOwners(factors.side, in.material.geometry);
   fit.threads = in.threads;
   const Matrix weights = quantisedWeights(fitFlat(luma, a, fit).factors.weights, plan.storage);
   factors.on_grid = plan.phis < kFullPhis;
@@ -96,14 +95,14 @@ Band fitFlatBand(const FusedInput& in, const Indirection& a, const FusedPlan& pl
     at_samples.basis = solveBasis(luma, a, weights, in.threads);
     factors.y = at_samples;
   }
-  const ColumnBlocks whole = wholeLuma(in.btf, at_samples, in.mean, a);
-  factors.ratio = {fitRatios(in.btf, whole, in.material.mean, a, in.threads)};
-  if (plan.chroma_components > 0) fitFlatChroma(in, a, plan, grid, whole, fit, factors);
+  const ColumnBlocks whole = wholeLuma(btf, at_samples, in.mean, a);
+  factors.ratio = {fitRatios(btf, whole, in.material.mean, a, in.threads)};
+  if (plan.chroma_components > 0) fitFlatChroma(in, btf, a, plan, grid, whole, fit, factors);
   const int mips = flatMips(plan, factors.side);
   Band band = packBand(factors, lights, views, {TableLayout::kGrid, plan.storage, grid, mips, 0, fit.owners});
   band.domain = Domain::kFlat;
   band.lambda_first = kFlatFirst;
-  if (hasCoarseBand(plan, in.btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
+  if (hasCoarseBand(plan, btf.side())) band.window = {-2, -1, kCrossFadeBegin, kCrossFadeEnd};
   return band;
 }
 
@@ -167,17 +166,17 @@ void advance(Progress* progress, uint64_t steps) {
   if (progress) progress->advance(steps);
 }
 
-// A near term and the coarse band that takes over from it.
+// A near term and the coarse band that takes over from it. `bounded`: the BTF at half the side, up to
+// kBrightest.
 void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const BakedSurface& surface,
-             const YccBtf& half, Progress* progress) {
+             const HalvedBtf& btf, const YccBtf& bounded, Progress* progress) {
   Material& m = fit.material;
   NearOptions near{surface.side / plan.surface_side, hasCoarseBand(plan, m.side),
                    plan.visibility.value_or(Visibility::kFast), plan.bounces};
   m.surface = nearMaps(surface, m.geometry, m.side, near, in.threads);
   const auto measure = [&](int points) {
     const Evaluator evaluator(m, onThreads(in.threads));
-    return sampledError(evaluator, in.btf, in.source.lights(), in.source.views(), points, kErrorSamples,
-                        in.threads);
+    return sampledError(evaluator, btf.samples, in.source.lights(), in.source.views(), points, in.threads);
   };
   if (m.surface->indirect.width > 0) {
     fit.indirect.emplace();
@@ -188,11 +187,11 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
   }
   advance(progress, 2);
   if (near.with_bands) {
-    m.bands.push_back(fitCoarseBand(in, plan, half));
+    m.bands.push_back(fitCoarseBand(in, plan, bounded));
     m.bands.back().window = {};
     advance(progress, 3);
     m.lambda_max = coarsestLevelOf(m);
-    fit.levels = chooseLevels(m, in.btf, in.source.lights(), in.source.views(), in.threads);
+    fit.levels = chooseLevels(m, btf.half, in.source.lights(), in.source.views(), in.threads);
     advance(progress, 2);
   }
   fit.near_at_centres = measure(1);
@@ -213,32 +212,30 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
 }
 
 // A flat-domain band through the lookup, and the coarse one.
-void fitBands(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, int lab_every, Progress* progress) {
+void fitBands(FusedFit& fit, const FusedInput& in, const YccBtf& btf, const FusedPlan& plan, int lab_every,
+              Progress* progress) {
   Material& m = fit.material;
   const VdimAtlas atlas = buildVdimAtlas(m.geometry, m.atlas, onThreads(in.threads));
   VdimMaps maps;
   maps.atlas = &atlas;
   const Indirection a = makeIndirection(
-      in.btf.side(), flatSide(plan, in.btf.side()), in.source.views(),
+      btf.side(), flatSide(plan, btf.side()), in.source.views(),
       [&](glm::dvec2 x, const glm::dvec3& wo) { return vdimLookup(maps, Lookup::kDefault, x, wo).p; },
       in.threads);
-  m.bands.push_back(fitFlatBand(in, a, plan));
+  m.bands.push_back(fitFlatBand(in, btf, a, plan));
   advance(progress, 6);
   if (hasCoarseBand(plan, m.side))
-    m.bands.push_back(fitCoarseBand(in, plan, downsample(in.btf, BoxFilter::k2x2, in.threads)));
-  fit.error = measureError(m, in.btf, in.source.lights(), in.source.views(), a, in.threads, lab_every);
+    m.bands.push_back(fitCoarseBand(in, plan, downsample(btf, BoxFilter::k2x2, in.threads)));
+  fit.error = measureError(m, btf, in.source.lights(), in.source.views(), a, in.threads, lab_every);
 }
 
-}  // namespace
-
-FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
-                  const FusedPlan& plan, int threads, int lab_every, const BakedSurface* surface,
-                  Progress* progress) {
-  FusedFit fit;
+// What both kinds of plan begin with.
+void begin(FusedFit& fit, const BtfSource& source, int side, const GeometryImage& geometry,
+           const FusedPlan& plan, int threads, Progress* progress) {
   Material& m = fit.material;
   m.mode = Mode::kFused;
   m.name = source.name();
-  m.side = btf.side();
+  m.side = side;
   m.value_scale = static_cast<float>(1 / kPi);
   m.geometry = geometry;
   AtlasChoice atlas;
@@ -250,19 +247,41 @@ FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImag
   fit.atlases = std::move(atlas.trials);
   advance(progress, 2);
   m.theta_max = gridFor(source.lights()).theta_max;
-  const bool near = plan.surface_side > 0 && surface;
-  std::optional<YccBtf> half;
-  if (near && btf.side() > 1) half = limited(downsample(btf, BoxFilter::k2x2, threads), kBrightest, threads);
-  Matrix means = imageMeans(half ? *half : btf, threads);
-  m.mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
-  const FusedInput in{source, btf, m, std::move(means), sampleMean(m.mean, source.lights(), source.views()),
-                      threads};
-  if (near)
-    fitNear(fit, in, plan, *surface, half ? *half : btf, progress);
-  else
-    fitBands(fit, in, plan, lab_every, progress);
+}
+
+// Fits the mean to the images of the BTF, and sets it.
+FusedInput fitMean(FusedFit& fit, const BtfSource& source, const YccBtf& btf, int threads) {
+  Matrix means = imageMeans(btf, threads);
+  PhongMean& mean = fit.material.mean;
+  mean = fitPhong(means, source.lights(), source.views(), {true, MeanChroma::kRatio}).mean;
+  return {source, fit.material, std::move(means), sampleMean(mean, source.lights(), source.views()), threads};
+}
+
+void finish(Material& m) {
   m.lambda_max = coarsestLevelOf(m);
   splitLeadingParts(m);
+}
+
+}  // namespace
+
+FusedFit fitFusedBands(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
+                       const FusedPlan& plan, int threads, int lab_every, Progress* progress) {
+  FusedFit fit;
+  begin(fit, source, btf.side(), geometry, plan, threads, progress);
+  fitBands(fit, fitMean(fit, source, btf, threads), btf, plan, lab_every, progress);
+  finish(fit.material);
+  return fit;
+}
+
+FusedFit fitFusedNear(const BtfSource& source, const HalvedBtf& btf, const BakedSurface& surface,
+                      const GeometryImage& geometry, const FusedPlan& plan, int threads, Progress* progress) {
+  FusedFit fit;
+  begin(fit, source, btf.side, geometry, plan, threads, progress);
+  std::optional<YccBtf> bounded;
+  if (btf.side > 1) bounded = limited(btf.half, kBrightest, threads);
+  const YccBtf& fitted = bounded ? *bounded : btf.half;
+  fitNear(fit, fitMean(fit, source, fitted, threads), plan, surface, btf, fitted, progress);
+  finish(fit.material);
   return fit;
 }
 
@@ -315,15 +334,49 @@ FusedPlan presetPlan(const CookOptions& options, const BakedSurface& surface) {
   return plan;
 }
 
+// The BTF as the kind of plan reads it, and fits of such plans.
+class FusedFits {
+ public:
+  static Result<FusedFits> load(const BtfSource& source, const BakedSurface& surface, bool near,
+                                int threads) {
+    FusedFits fits(source, surface, threads);
+    if (near) {
+      auto halved = loadHalved(source, kErrorSamples, threads);
+      if (!halved) return halved.issue();
+      fits.halved_ = std::move(*halved);
+    } else {
+      auto whole = loadYcc(source, threads);
+      if (!whole) return whole.issue();
+      fits.whole_ = std::move(*whole);
+    }
+    return fits;
+  }
+  FusedFit fit(const FusedPlan& plan, const GeometryImage& geometry, Progress* progress = nullptr) const {
+    return halved_ ? fitFusedNear(source_, *halved_, surface_, geometry, plan, threads_, progress)
+                   : fitFusedBands(source_, *whole_, geometry, plan, threads_, 0, progress);
+  }
+
+ private:
+  FusedFits(const BtfSource& source, const BakedSurface& surface, int threads)
+      : source_(source), surface_(surface), threads_(threads) {}
+
+  const BtfSource& source_;
+  const BakedSurface& surface_;
+  int threads_;
+  std::optional<HalvedBtf> halved_;
+  std::optional<YccBtf> whole_;
+};
+
 }  // namespace
 
 Result<Material> cookFused(const BtfSource& source, const GeometryReader& geometry,
                            const BakedSurface& surface, const CookOptions& options) {
   const Status levels = checkLevels(options.levels, source.size().x);
   if (!levels) return levels.issue();
-  auto btf = loadYcc(source, options.threads);
-  if (!btf) return btf.issue();
   FusedPlan plan = presetPlan(options, surface);
+  const int side = source.size().x;
+  const auto fits = FusedFits::load(source, surface, plan.surface_side > 0, options.threads);
+  if (!fits) return fits.issue();
   std::vector<TradePoint> measured;
   if (options.max_bytes > 0 || options.target_rmse > 0) {
     const auto baked = geometry(0);
@@ -338,17 +391,16 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
       const auto image = geometry(candidate.geometry_side);
       if (!image) return image.issue();
       if (!atlases.contains(image->side()))
-        atlases[image->side()] = chooseAtlas(*image, btf->side(), options.threads).size;
+        atlases[image->side()] = chooseAtlas(*image, side, options.threads).size;
       candidate.atlas = atlases[image->side()];
       candidate.sweeps = kTrialSweeps;
       candidate.coarse_y = 0;
       if (!candidate.visibility) candidate.visibility = Visibility::kFast;
-      const double rmse =
-          fitFused(source, *btf, *image, candidate, options.threads, 0, &surface).error.channel[0].rmse();
+      const double rmse = fits->fit(candidate, *image).error.channel[0].rmse();
       progress.advance();
       return rmse;
     };
-    auto choice = choosePlan(goal, btf->side(), baked->side(), trial);
+    auto choice = choosePlan(goal, side, baked->side(), trial);
     if (!choice) return choice.issue();
     progress.advance(uint64_t(mostTrials(goal, baked->side())) -
                      choice->measured.size());  // the search ended early
@@ -359,7 +411,7 @@ Result<Material> cookFused(const BtfSource& source, const GeometryReader& geomet
   const auto image = geometry(plan.geometry_side);
   if (!image) return image.issue();
   Progress progress("cook " + source.name() + ": fitting", kFusedSteps, options.quiet);
-  FusedFit fit = fitFused(source, *btf, *image, plan, options.threads, 0, &surface, &progress);
+  FusedFit fit = fits->fit(plan, *image, &progress);
   progress.advance(kFusedSteps);  // whatever the plan left out
   fit.material.meta_json = cookMeta(fit.material, source.name(), presetName(options.preset), &fit.error,
                                     measured, fit.atlases, &fit);

@@ -65,13 +65,14 @@ struct FusedFit {
   std::vector<AtlasTrial> atlases;        // the atlases that were measured, if the plan names none
 };
 
-// Fits the plan. `geometry` is already at plan.geometry_side; `surface` is given if the plan has a near term.
-// Deterministic at any number of threads. `lab_every` is that of measureError. `progress` advances by
-// kFusedSteps in all.
+// Fit plans without and with a near term. `geometry` is already at plan.geometry_side. Deterministic at any
+// number of threads. `lab_every` is that of measureError. `progress` advances by kFusedSteps at most.
 inline constexpr uint64_t kFusedSteps = 13;
-FusedFit fitFused(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
-                  const FusedPlan& plan, int threads, int lab_every = 0,
-                  const BakedSurface* surface = nullptr, Progress* progress = nullptr);
+FusedFit fitFusedBands(const BtfSource& source, const YccBtf& btf, const GeometryImage& geometry,
+                       const FusedPlan& plan, int threads, int lab_every = 0, Progress* progress = nullptr);
+FusedFit fitFusedNear(const BtfSource& source, const HalvedBtf& btf, const BakedSurface& surface,
+                      const GeometryImage& geometry, const FusedPlan& plan, int threads,
+                      Progress* progress = nullptr);
 
 // The most raw bytes that the file of a plan holds, computed without fitting it; exact if coarse_phis is the
 // number that averageGrid chooses.

@@ -162,7 +162,7 @@ void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const Surfac
 
 }  // namespace
 
-std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
+std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& half, const DirectionSet& lights,
                                      const DirectionSet& views, int threads) {
   Band& coarsest = material.bands.back();
   LODEN_CHECK_EQ(coarsest.chroma_quads, 0);
@@ -171,9 +171,12 @@ std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, cons
   std::optional<YccBtf> coarse;
   // Beyond the last level the bands have nothing of their own.
   const int last = static_cast<int>(std::lround(material.lambda_max));
-  for (int level = 1; level <= last && (coarse ? coarse->side() : btf.side()) > 1; ++level) {
-    coarse = downsample(coarse ? *coarse : btf, BoxFilter::k2x2, threads);
-    trials.push_back(measured(candidates, *coarse, level, lights, views, threads));
+  const YccBtf* truth = &half;
+  for (int level = 1; level <= last; ++level) {
+    trials.push_back(measured(candidates, *truth, level, lights, views, threads));
+    if (truth->side() == 1 || level == last) break;
+    coarse = downsample(*truth, BoxFilter::k2x2, threads);
+    truth = &*coarse;
   }
   SurfaceMaps* maps = material.surface ? &*material.surface : nullptr;
   if (maps) chooseFade(*maps, trials, material.lambda_max);

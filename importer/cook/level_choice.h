@@ -36,12 +36,13 @@ struct LevelTrial {
 // - It sets the coarsest band's quad_levels so that each level reads the fewest quads with which the error of
 //   what is shown is at most kQuadLoss above that of all quads (kBlendLoss where the near term is visible
 //   too), or below kQuadFloor.
-// Returns the measurements, from level 1 on. Deterministic at any number of threads.
+// `half` is the BTF at half the side, which is level 1. Returns the measurements, from level 1 on.
+// Deterministic at any number of threads.
 inline constexpr double kFadeLoss = 0.03;
 inline constexpr double kQuadLoss = 0.1;
 inline constexpr double kBlendLoss = 0.03;
 inline constexpr double kQuadFloor = 0.0175;  // root mean square, white = 1: 35 dB
-std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& btf, const DirectionSet& lights,
+std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& half, const DirectionSet& lights,
                                      const DirectionSet& views, int threads);
 
 }  // namespace loden::importer

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "importer/base/parallel.h"
-#include "importer/base/random.h"
 #include "material/model/color.h"
 
 namespace loden::importer {
@@ -29,27 +29,22 @@ glm::dvec3 meanOver(const Evaluator& evaluator, glm::ivec2 texel, int points, co
 
 }  // namespace
 
-SampledError sampledError(const Evaluator& evaluator, const YccBtf& btf, const DirectionSet& lights,
-                          const DirectionSet& views, int points, int samples, int threads) {
-  const int per_view = std::max(1, samples / btf.views());
-  std::vector<Sums> of_view(size_t(btf.views()));
+SampledError sampledError(const Evaluator& evaluator, const std::vector<BtfSample>& samples,
+                          const DirectionSet& lights, const DirectionSet& views, int points, int threads) {
+  std::vector<Sums> of_view(views.samples.size());
+  const size_t per_view = samples.size() / of_view.size();
   parallelFor(of_view.size(), threads, [&](size_t v) {
-    Matrix truth[3];
-    for (int c = 0; c < 3; ++c) btf.read(c, int(v), truth[c]);
     Sums& sums = of_view[v];
-    for (int s = 0; s < per_view; ++s) {
-      const uint64_t seed = mixSeed(v, uint64_t(s));
-      const int t = std::min(int(uniform(seed, 0) * btf.texels()), btf.texels() - 1);
-      const int l = std::min(int(uniform(seed, 1) * btf.lights()), btf.lights() - 1);
-      const glm::dvec3 value = meanOver(evaluator, {t % btf.side(), t / btf.side()}, points,
-                                        lights.samples[size_t(l)], views.samples[v]);
-      const glm::dvec3 given(truth[0](t, l), truth[1](t, l), truth[2](t, l));
-      const glm::dvec3 difference = yccFromRgb(value) - given;
+    for (const BtfSample& sample : std::span(samples).subspan(v * per_view, per_view)) {
+      const glm::dvec3 value = meanOver(evaluator, sample.texel, points, lights.samples[size_t(sample.light)],
+                                        views.samples[size_t(sample.view)]);
+      const glm::dvec3 difference = yccFromRgb(value) - sample.ycc;
       for (int c = 0; c < 3; ++c) {
         sums.squares[c] += difference[c] * difference[c];
         sums.absolute[c] += std::abs(difference[c]);
       }
-      sums.lab += glm::length(labFromRgb(value) - labFromRgb(glm::max(rgbFromYcc(given), glm::dvec3(0))));
+      sums.lab +=
+          glm::length(labFromRgb(value) - labFromRgb(glm::max(rgbFromYcc(sample.ycc), glm::dvec3(0))));
       ++sums.count;
     }
   });

@@ -1,12 +1,14 @@
 #include "importer/fit/ycc_btf.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <optional>
 #include <string>
 
+#include "importer/base/random.h"
 #include "importer/fit/reduction.h"
 #include "material/base/issues.h"
 #include "material/model/color.h"
@@ -72,11 +74,12 @@ struct NonFinite {
   double largest = 0;           // finite magnitude
 };
 
-// What the storage cannot hold is not stored.
-NonFinite storeView(YccBtf& btf, int view, const std::vector<glm::vec3>& rgb) {
+using Planes = std::array<std::vector<float>, 3>;  // Y, Cb, Cr: [light][texel]
+
+// The planes of a view. Magnitudes above `most` are left out.
+NonFinite splitView(const std::vector<glm::vec3>& rgb, double most, Planes& planes) {
   NonFinite bad;
-  std::vector<float> planes[3];
-  for (auto& plane : planes) plane.resize(rgb.size());
+  for (auto& plane : planes) plane.assign(rgb.size(), 0.0f);
   for (size_t i = 0; i < rgb.size(); ++i) {
     const glm::dvec3 ycc = yccFromRgb(glm::dvec3(rgb[i]));
     const double magnitude = std::max({std::abs(ycc.x), std::abs(ycc.y), std::abs(ycc.z)});
@@ -85,10 +88,9 @@ NonFinite storeView(YccBtf& btf, int view, const std::vector<glm::vec3>& rgb) {
       continue;
     }
     bad.largest = std::max(bad.largest, magnitude);
-    if (magnitude > double(btf.largest())) continue;
-    for (int k = 0; k < 3; ++k) planes[k][i] = static_cast<float>(ycc[k]);
+    if (magnitude > most) continue;
+    for (size_t k = 0; k < 3; ++k) planes[k][i] = static_cast<float>(ycc[int(k)]);
   }
-  for (int k = 0; k < 3; ++k) btf.store(k, view, planes[k]);
   return bad;
 }
 
@@ -101,19 +103,25 @@ Issue nonFiniteIssue(const BtfSource& source, int view, const NonFinite& bad) {
               "); repair the input, or let --fix-nonfinite do it"};
 }
 
-// All views into `btf`. Returns the largest magnitude there is, stored or not.
-Result<double> storeViews(const BtfSource& source, YccBtf& btf, int threads) {
-  std::vector<std::optional<Issue>> issues(size_t(btf.views()));
-  std::vector<double> largest(size_t(btf.views()), 0.0);
-  parallelFor(size_t(btf.views()), threads, [&](size_t i) {
+// Calls take(view, planes) for every view, on several threads, with magnitudes up to `most`. Returns the
+// largest magnitude there is, taken or not.
+template <class Take>
+Result<double> readViews(const BtfSource& source, double most, int threads, const Take& take) {
+  const auto views = size_t(source.views().size());
+  std::vector<std::optional<Issue>> issues(views);
+  std::vector<double> largest(views, 0.0);
+  parallelFor(views, threads, [&](size_t i) {
     const int v = static_cast<int>(i);
     auto rgb = source.view(v);
     if (!rgb) {
       issues[i] = rgb.issue();
       return;
     }
-    LODEN_CHECK_EQ(rgb->size(), size_t(btf.lights()) * size_t(btf.texels()));
-    const NonFinite bad = storeView(btf, v, *rgb);
+    LODEN_CHECK_EQ(rgb->size(),
+                   size_t(source.lights().size()) * size_t(source.size().x) * size_t(source.size().y));
+    Planes planes;
+    const NonFinite bad = splitView(*rgb, most, planes);
+    take(v, planes);
     largest[i] = bad.largest;
     if (bad.count) issues[i] = nonFiniteIssue(source, v, bad);
   });
@@ -129,23 +137,71 @@ double unitFor(double largest) {
   return std::exp2(std::floor(std::log2(largest)) - 8);
 }
 
+Status checkSquare(const BtfSource& source) {
+  if (source.size().x == source.size().y) return {};
+  return Issue{issue_id::kOption, Severity::kError, source.name(),
+               "is " + std::to_string(source.size().x) + " x " + std::to_string(source.size().y) +
+                   " texels; only squares can be cooked: cut the images to a square"};
+}
+
+// Reads all views by take(btf, view, planes), and once more if `btf` stores halves of another unit.
+template <class Take>
+Status readInto(YccBtf& btf, const BtfSource& source, int threads, const Take& take) {
+  const auto read = [&] {
+    return readViews(source, double(btf.largest()), threads,
+                     [&](int view, const Planes& planes) { take(btf, view, planes); });
+  };
+  auto largest = read();
+  if (!largest) return largest.issue();
+  const double unit = unitFor(*largest);
+  if (btf.storeOf() == YccBtf::Store::kFloat || unit == 1) return {};
+  btf = YccBtf(btf.side(), btf.lights(), btf.views(), YccBtf::Store::kHalf, unit);
+  largest = read();
+  return largest ? Status() : Status(largest.issue());
+}
+
+// The k-th sample of a view.
+BtfSample sampleOf(const Planes& planes, int side, int lights, int view, int k) {
+  const uint64_t seed = mixSeed(uint64_t(view), uint64_t(k));
+  const int texels = side * side;
+  const int t = std::min(int(uniform(seed, 0) * texels), texels - 1);
+  const int l = std::min(int(uniform(seed, 1) * lights), lights - 1);
+  const size_t at = size_t(l) * size_t(texels) + size_t(t);
+  return {view, l, {t % side, t / side}, {planes[0][at], planes[1][at], planes[2][at]}};
+}
+
 }  // namespace
 
 Result<YccBtf> loadYcc(const BtfSource& source, int threads, std::optional<YccBtf::Store> store) {
-  if (source.size().x != source.size().y)
-    return Issue{issue_id::kOption, Severity::kError, source.name(),
-                 "is " + std::to_string(source.size().x) + " x " + std::to_string(source.size().y) +
-                     " texels; only squares can be cooked: cut the images to a square"};
+  if (Status square = checkSquare(source); !square) return square.issue();
   const int side = source.size().x, lights = source.lights().size(), views = source.views().size();
   YccBtf btf = store ? YccBtf(side, lights, views, *store) : YccBtf(side, lights, views);
-  auto largest = storeViews(source, btf, threads);
-  if (!largest) return largest.issue();
-  const double unit = unitFor(*largest);
-  if (btf.storeOf() == YccBtf::Store::kFloat || unit == 1) return btf;
-  btf = YccBtf(side, lights, views, YccBtf::Store::kHalf, unit);
-  largest = storeViews(source, btf, threads);
-  if (!largest) return largest.issue();
+  const Status read = readInto(btf, source, threads, [](YccBtf& into, int view, const Planes& planes) {
+    for (int channel = 0; channel < 3; ++channel) into.store(channel, view, planes[size_t(channel)]);
+  });
+  if (!read) return read.issue();
   return btf;
+}
+
+Result<HalvedBtf> loadHalved(const BtfSource& source, int samples, int threads) {
+  if (Status square = checkSquare(source); !square) return square.issue();
+  const int side = source.size().x, lights = source.lights().size(), views = source.views().size();
+  const int per_view = std::max(1, samples / views);
+  HalvedBtf kept{side, YccBtf(std::max(side / 2, 1), lights, views), {}};
+  kept.samples.resize(size_t(views) * size_t(per_view));
+  const Status read = readInto(kept.half, source, threads, [&](YccBtf& half, int view, const Planes& planes) {
+    for (int k = 0; k < per_view; ++k)
+      kept.samples[size_t(view * per_view + k)] = sampleOf(planes, side, lights, view, k);
+    Matrix block(side * side, lights);
+    for (int channel = 0; channel < 3; ++channel) {
+      const std::vector<float>& plane = planes[size_t(channel)];
+      std::copy(plane.begin(), plane.end(), block.data.begin());
+      const Matrix small = side > 1 ? downsample(block, side, BoxFilter::k2x2) : block;
+      half.store(channel, view, std::vector<float>(small.data.begin(), small.data.end()));
+    }
+  });
+  if (!read) return read.issue();
+  return kept;
 }
 
 double largestValue(const YccBtf& btf, int threads) {

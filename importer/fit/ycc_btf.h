@@ -53,6 +53,24 @@ class YccBtf {
 // place of the one that follows from the size.
 Result<YccBtf> loadYcc(const BtfSource& source, int threads, std::optional<YccBtf::Store> store = {});
 
+// The value of one texel under one light, seen from one view.
+struct BtfSample {
+  int view = 0, light = 0;
+  glm::ivec2 texel{0};
+  glm::dvec3 ycc{0};
+};
+
+// What is kept of a BTF that is too large to hold as a whole: all of it at half the side, and samples.
+struct HalvedBtf {
+  int side = 0;                    // of the BTF
+  YccBtf half;                     // of a BTF of one texel, that BTF
+  std::vector<BtfSample> samples;  // random, in order of views, and as many of each view
+};
+
+// Reads all views of a source as loadYcc does, and keeps `samples` samples at most, but one of each view at
+// least. The same texels, lights and views are drawn from all BTFs of the same size.
+Result<HalvedBtf> loadHalved(const BtfSource& source, int samples, int threads);
+
 // The largest magnitude of Y, Cb and Cr.
 double largestValue(const YccBtf& btf, int threads);
 

@@ -170,7 +170,7 @@ Status addFusedRows(const StudyOptions& options, const StudyTile& data,
   const auto add = [&](const FusedPlan& plan, const char* preset, bool between) -> Status {
     const auto geometry = geometryOf(data.baked, plan.geometry_side);
     if (!geometry) return geometry.issue();
-    const FusedFit fit = fitFused(*data.source, data.btf, *geometry, plan, options.threads);
+    const FusedFit fit = fitFusedBands(*data.source, data.btf, *geometry, plan, options.threads);
     rows.push_back(
         errorRow({data, preset, "snorm8", "sampled"}, fit.material, plan.y_components, {}, fit.error));
     if (between)

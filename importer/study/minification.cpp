@@ -74,7 +74,7 @@ Result<std::vector<Candidate>> candidates(const StudyOptions& options, const Stu
   const FusedPlan plan;
   const auto geometry = geometryOf(tile.baked, plan.geometry_side);
   if (!geometry) return geometry.issue();
-  all.push_back({"fused", fitFused(*tile.source, tile.btf, *geometry, plan, options.threads).material});
+  all.push_back({"fused", fitFusedBands(*tile.source, tile.btf, *geometry, plan, options.threads).material});
   const Material fused = all.back().material;
   all.push_back({"fused-point", fused, true});
   // What streaming shows first: the coarse band's leading part, and before that the mean.

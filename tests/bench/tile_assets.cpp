@@ -46,7 +46,7 @@ Material smallestFused(const BakedOutput& baked) {
   const auto btf = require(importer::loadYcc(*source, 0));
   const importer::FusedPlan plan = importer::smallestPlan(baked.manifest().geometry_size);
   Material material =
-      importer::fitFused(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0)
+      importer::fitFusedBands(*source, btf, require(importer::geometryOf(baked, plan.geometry_side)), plan, 0)
           .material;
   material.aspect = static_cast<float>(baked.manifest().aspect);
   return material;

@@ -202,6 +202,31 @@ TEST(FlatFit, TexelsThatNoViewSeesStayFinite) {
   for (double e : fit.factors.basis.data) ASSERT_TRUE(std::isfinite(e));
 }
 
+// What is kept of a BTF is what the whole of it has.
+TEST(HalvedBtf, HoldsTheWholeAtHalfTheSideAndSamplesOfIt) {
+  for (const int side : {1, 5, 8}) {
+    const SyntheticSource source = parallaxSource(side);
+    const auto whole = loadYcc(source, 0);
+    const auto kept = loadHalved(source, 1000, 0);
+    ASSERT_TRUE(whole.ok() && kept.ok());
+    EXPECT_EQ(kept->side, side);
+    const YccBtf half = side > 1 ? downsample(*whole, BoxFilter::k2x2, 0) : *whole;
+    ASSERT_EQ(kept->half.side(), half.side());
+    Matrix expected, value;
+    for (int v = 0; v < 81; ++v)
+      for (int channel = 0; channel < 3; ++channel) {
+        half.read(channel, v, expected), kept->half.read(channel, v, value);
+        EXPECT_EQ(value.data, expected.data) << "view " << v << ", channel " << channel;
+      }
+    EXPECT_EQ(kept->samples.size(), 81u * 12u);
+    for (const BtfSample& sample : kept->samples)
+      for (int channel = 0; channel < 3; ++channel) {
+        whole->read(channel, sample.view, value);
+        EXPECT_EQ(sample.ycc[channel], value(sample.texel.y * side + sample.texel.x, sample.light));
+      }
+  }
+}
+
 TEST(Downsample, OddSidesKeepMeanAndPosition) {
   for (const int side : {3, 5, 25}) {
     Matrix ramp(side * side, 1);

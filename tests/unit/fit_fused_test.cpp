@@ -56,7 +56,7 @@ FusedPlan asFitted(FusedPlan plan, const Material& material) {
 TEST(Fused, BeatsThePlaneOnParallax) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);
-  const FusedFit fused = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 0);
+  const FusedFit fused = fitFusedBands(source, *btf, sunkenPlane(32), smallPlan(), 0);
   CookOptions options;
   options.y_components = 4;
   const auto lod = fitLod(source, *btf, options);
@@ -69,8 +69,8 @@ TEST(Fused, BeatsThePlaneOnParallax) {
 TEST(Fused, SameBytesAtAnyThreadCount) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);
-  const FusedFit one = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 1);
-  const FusedFit three = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 3);
+  const FusedFit one = fitFusedBands(source, *btf, sunkenPlane(32), smallPlan(), 1);
+  const FusedFit three = fitFusedBands(source, *btf, sunkenPlane(32), smallPlan(), 3);
   for (size_t b = 0; b < one.material.bands.size(); ++b) {
     EXPECT_EQ(one.material.bands[b].weights.data, three.material.bands[b].weights.data);
     EXPECT_EQ(one.material.bands[b].table.data, three.material.bands[b].table.data);
@@ -123,7 +123,7 @@ TEST(Fused, CoarseLevelsNeedTheFirstQuad) {
 TEST(Fused, ContinuousInLambdaDownToTheAverage) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);
-  const FusedFit fit = fitFused(source, *btf, sunkenPlane(32), smallPlan(), 0);
+  const FusedFit fit = fitFusedBands(source, *btf, sunkenPlane(32), smallPlan(), 0);
   const Evaluator evaluator(fit.material);
   for (const int pair : {0, 1234, 4321, 6000}) {
     const glm::dvec3 wi = source.lights().samples[size_t(pair % 81)],
@@ -186,7 +186,7 @@ TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
       encodeGeometryImage(32, ridges, std::vector<uint16_t>(ridges.size(), 1), true);
   FusedPlan plan = smallPlan();
   plan.coarse_y = 0;
-  const FusedFit fit = fitFused(source, *btf, geometry, plan, 0);
+  const FusedFit fit = fitFusedBands(source, *btf, geometry, plan, 0);
   ASSERT_GT(fit.atlases.size(), atlasCandidates().size());  // and smaller ones
   const LookupProbe probe(geometry, kSide, 0);
   const auto badness = [&](VdimAtlasSize size) {
@@ -205,7 +205,7 @@ TEST(Fused, AssetNamesTheAtlasThatItWasFittedThrough) {
       << meta;
 
   plan.atlas = VdimAtlasSize{12, 6};
-  const FusedFit named = fitFused(source, *btf, geometry, plan, 0);
+  const FusedFit named = fitFusedBands(source, *btf, geometry, plan, 0);
   EXPECT_EQ(named.material.atlas, *plan.atlas);
   EXPECT_TRUE(named.atlases.empty());
   EXPECT_EQ(residentBytes(fit.material) - residentBytes(named.material),
@@ -216,15 +216,15 @@ TEST(Fused, LevelsKeepTheFinest) {
   const SyntheticSource source = sunkenPicture();
   const auto btf = loadYcc(source, 0);
   FusedPlan plan = smallPlan();
-  const FusedFit all = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit all = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   plan.levels = 3;
-  const FusedFit three = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit three = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   ASSERT_EQ(three.material.bands.size(), 2u);
   EXPECT_EQ(three.material.lambda_max, 2.5f) << "the coarse band is read half a level finer";
   EXPECT_EQ(rawFileBytes(three.material), fusedBytes(asFitted(plan, three.material), kSide, 32));
   EXPECT_LT(rawFileBytes(three.material), rawFileBytes(all.material));
   plan.levels = 1;
-  const FusedFit one = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit one = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   ASSERT_EQ(one.material.bands.size(), 1u);
   EXPECT_EQ(rawFileBytes(one.material), fusedBytes(plan, kSide, 32));
   EXPECT_EQ(one.error.channel[0].mse, all.error.channel[0].mse);  // at lambda 0 nothing is missing
@@ -246,9 +246,9 @@ TEST(Fused, SixteenBitsRoundLess) {
   const auto btf = loadYcc(source, 0);
   FusedPlan plan = smallPlan();
   plan.phis = 25;  // tables solved directly: nothing but rounding differs
-  const FusedFit eight = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit eight = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   plan.storage = Storage::kSnorm16;
-  const FusedFit sixteen = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit sixteen = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   EXPECT_EQ(rawFileBytes(sixteen.material), fusedBytes(asFitted(plan, sixteen.material), kSide, 32));
   EXPECT_LT(sixteen.error.channel[0].mse, eight.error.channel[0].mse);
 }
@@ -263,9 +263,9 @@ TEST(Fused, ChromaComponentsCatchWhiteHighlights) {
       });
   const auto btf = loadYcc(source, 0);
   FusedPlan plan = smallPlan();
-  const FusedFit ratio = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit ratio = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   plan.chroma_components = 2;
-  const FusedFit both = fitFused(source, *btf, sunkenPlane(32), plan, 0);
+  const FusedFit both = fitFusedBands(source, *btf, sunkenPlane(32), plan, 0);
   EXPECT_EQ(rawFileBytes(both.material), fusedBytes(asFitted(plan, both.material), kSide, 32));
   for (const int c : {1, 2}) EXPECT_LT(both.error.channel[c].rmse(), 0.5 * ratio.error.channel[c].rmse());
 }

@@ -45,9 +45,9 @@ class FitNear : public testing::Test {
   }
   static double errorOf(const Material& material) {
     const auto source = bakedSource(*BakedOutput::open(folder_));
-    const auto btf = loadYcc(**source, 0);
+    const auto btf = loadHalved(**source, 4000, 0);
     const Evaluator evaluator(material);
-    return sampledError(evaluator, *btf, (*source)->lights(), (*source)->views(), 2, 4000, 0)
+    return sampledError(evaluator, btf->samples, (*source)->lights(), (*source)->views(), 2, 0)
         .channel[0]
         .rmse();
   }
@@ -243,9 +243,9 @@ TEST(CookNear, LightByWayOfTheTileIsPartOfIt) {
   const auto meta = nlohmann::json::parse(with.meta_json);
   EXPECT_EQ(meta["near"]["indirect"], true);
   const auto source = bakedSource(*baked);
-  const auto btf = loadYcc(**source, 0);
+  const auto btf = loadHalved(**source, 4000, 0);
   const auto errorOf = [&](const Material& m) {
-    return sampledError(Evaluator(m), *btf, (*source)->lights(), (*source)->views(), 2, 4000, 0)
+    return sampledError(Evaluator(m), btf->samples, (*source)->lights(), (*source)->views(), 2, 0)
         .channel[0]
         .rmse();
   };

@@ -17,17 +17,30 @@ struct Triangle {
   glm::dvec2 p, p_b, p_c;  // parameter of a, and its change along the edges
 };
 
+struct HeightBounds {
+  float z_min = std::numeric_limits<float>::max(), z_max = std::numeric_limits<float>::lowest();
+
+  void add(double lo, double hi) {
+    z_min = std::min(z_min, static_cast<float>(lo) - 1e-6f);
+    z_max = std::max(z_max, static_cast<float>(hi) + 1e-6f);
+  }
+  bool meets(double lo, double hi) const { return lo <= z_max && hi >= z_min; }
+};
+
 struct CellReference {
   uint32_t triangle = 0;
   glm::i16vec2 shift{0};  // add to the triangle to bring the copy into the base cell
-};
-
-struct CellBounds {
-  float z_min = std::numeric_limits<float>::max(), z_max = std::numeric_limits<float>::lowest();
+  HeightBounds bounds;
 };
 
 struct LocalHit {
   double t = 0, u = 0, v = 0;
+};
+
+struct CellHit {
+  LocalHit at;
+  const Triangle* triangle = nullptr;
+  glm::dvec2 shift{0};  // of the copy that is hit
 };
 
 // Moeller and Trumbore, with a tolerance that closes the seams between neighbours.
@@ -128,7 +141,7 @@ struct GeometryTracer::Impl {
   std::vector<Triangle> triangles;
   std::vector<uint32_t> first;  // CSR over cells
   std::vector<CellReference> references;
-  std::vector<CellBounds> bounds;
+  std::vector<HeightBounds> bounds;
 
   Impl(const GeometryImage& image, Interpolation between)
       : cells(std::max(kFewestCells, image.side() / 2)),
@@ -220,22 +233,23 @@ struct GeometryTracer::Impl {
     for (const Triangle& tri : triangles)
       forEachCell(tri, [&](int cell, glm::i16vec2, double lo, double hi) {
         ++first[cell + 1];
-        bounds[cell].z_min = std::min(bounds[cell].z_min, static_cast<float>(lo) - 1e-6f);
-        bounds[cell].z_max = std::max(bounds[cell].z_max, static_cast<float>(hi) + 1e-6f);
+        bounds[cell].add(lo, hi);
       });
     for (size_t c = 0; c < cell_count; ++c) first[c + 1] += first[c];
     references.resize(first.back());
     std::vector<uint32_t> next(first.begin(), first.end() - 1);
     for (uint32_t k = 0; k < triangles.size(); ++k)
-      forEachCell(triangles[k], [&](int cell, glm::i16vec2 shift, double, double) {
-        references[next[cell]++] = {k, shift};
+      forEachCell(triangles[k], [&](int cell, glm::i16vec2 shift, double lo, double hi) {
+        CellReference& reference = references[next[cell]++];
+        reference = {k, shift, {}};
+        reference.bounds.add(lo, hi);
       });
   }
 
-  // All in tile coordinates. First hit with t in (t_begin, t_end]; marches the cells that the ray crosses
-  // (Amanatides and Woo 1987).
-  std::optional<TraceHit> march(const glm::dvec3& o, const glm::dvec3& d, double t_begin,
-                                double t_end) const {
+  // All in tile coordinates. First hit with t in (t_begin, t_end], or any of them if that is enough; marches
+  // the cells that the ray crosses (Amanatides and Woo 1987).
+  std::optional<CellHit> march(const glm::dvec3& o, const glm::dvec3& d, double t_begin, double t_end,
+                               bool any) const {
     const double infinity = std::numeric_limits<double>::infinity();
     const glm::dvec2 start = (glm::dvec2(o) + glm::dvec2(d) * t_begin) * double(cells);
     glm::ivec2 cell(static_cast<int>(std::floor(start.x)), static_cast<int>(std::floor(start.y)));
@@ -250,7 +264,7 @@ struct GeometryTracer::Impl {
     }
     for (double t = t_begin; t <= t_end;) {
       const double t_exit = std::min({next.x, next.y, t_end});
-      if (auto hit = searchCell(cell, o, d, t_begin, t, t_exit)) return hit;
+      if (auto hit = searchCell(cell, o, d, t_begin, t, t_exit, any)) return hit;
       if (t_exit >= t_end) break;
       const int axis = next.x <= next.y ? 0 : 1;
       t = next[axis];
@@ -260,30 +274,37 @@ struct GeometryTracer::Impl {
     return std::nullopt;
   }
 
-  std::optional<TraceHit> searchCell(glm::ivec2 cell, const glm::dvec3& o, const glm::dvec3& d,
-                                     double t_begin, double t_enter, double t_exit) const {
+  std::optional<CellHit> searchCell(glm::ivec2 cell, const glm::dvec3& o, const glm::dvec3& d, double t_begin,
+                                    double t_enter, double t_exit, bool any) const {
     constexpr double kOverlap = 1e-7;
     const glm::ivec2 period(floorDivide(cell.x), floorDivide(cell.y));
     const size_t base = static_cast<size_t>(cell.y - period.y * cells) * cells + (cell.x - period.x * cells);
     const double z0 = o.z + d.z * t_enter, z1 = o.z + d.z * t_exit;
-    if (std::min(z0, z1) > bounds[base].z_max || std::max(z0, z1) < bounds[base].z_min) return std::nullopt;
-    LocalHit best{t_exit + kOverlap, 0, 0};
-    const Triangle* found = nullptr;
-    glm::dvec2 shift(0);
+    const double lo = std::min(z0, z1), hi = std::max(z0, z1);
+    if (!bounds[base].meets(lo, hi)) return std::nullopt;
+    CellHit best{{t_exit + kOverlap, 0, 0}, nullptr, glm::dvec2(0)};
     for (uint32_t r = first[base]; r < first[base + 1]; ++r) {
       const CellReference& reference = references[r];
+      if (!reference.bounds.meets(lo, hi)) continue;
       const glm::dvec2 offset = glm::dvec2(period) + glm::dvec2(reference.shift);
       const auto hit = intersect(triangles[reference.triangle], o - glm::dvec3(offset, 0), d);
-      if (!hit || hit->t <= t_begin || hit->t > best.t) continue;
-      best = *hit;
-      found = &triangles[reference.triangle];
-      shift = offset;
+      if (!hit || hit->t <= t_begin || hit->t > best.at.t) continue;
+      best = {*hit, &triangles[reference.triangle], offset};
+      if (any) break;
     }
+    if (!best.triangle) return std::nullopt;
+    return best;
+  }
+
+  std::optional<TraceHit> firstHit(const glm::dvec3& o, const glm::dvec3& d, double t_begin,
+                                   double t_end) const {
+    const auto found = march(o, d, t_begin, t_end, false);
     if (!found) return std::nullopt;
+    const Triangle& triangle = *found->triangle;
     TraceHit hit;
-    hit.p = found->p + best.u * found->p_b + best.v * found->p_c + shift;
-    hit.position = o + best.t * d;
-    const glm::dvec3 across = glm::cross(found->edge_b, found->edge_c);
+    hit.p = triangle.p + found->at.u * triangle.p_b + found->at.v * triangle.p_c + found->shift;
+    hit.position = o + found->at.t * d;
+    const glm::dvec3 across = glm::cross(triangle.edge_b, triangle.edge_c);
     hit.normal = glm::normalize(per_length * (glm::dot(across, d) > 0 ? -across : across));
     return hit;
   }
@@ -299,7 +320,7 @@ std::optional<TraceHit> GeometryTracer::traceView(glm::dvec2 x, const glm::dvec3
   LODEN_CHECK_LT(0.0, wo.z);
   const double end = (-impl_->z_min + 1e-6) / wo.z;
   const glm::dvec2 period = glm::floor(x);  // far away a cell has no number, and a double few digits
-  auto hit = impl_->march({x - period, 0}, -wo * impl_->per_length, -1e-6 / wo.z, end);
+  auto hit = impl_->firstHit({x - period, 0}, -wo * impl_->per_length, -1e-6 / wo.z, end);
   if (hit) hit->p += period, hit->position += glm::dvec3(period, 0);
   return hit;
 }
@@ -307,7 +328,7 @@ std::optional<TraceHit> GeometryTracer::traceView(glm::dvec2 x, const glm::dvec3
 bool GeometryTracer::occluded(const glm::dvec3& origin, const glm::dvec3& direction) const {
   LODEN_CHECK_LT(0.0, direction.z);
   const glm::dvec3 start(glm::dvec2(origin) - glm::floor(glm::dvec2(origin)), origin.z);
-  return impl_->march(start, direction * impl_->per_length, 1e-9, (1e-6 - origin.z) / direction.z)
+  return impl_->march(start, direction * impl_->per_length, 1e-9, (1e-6 - origin.z) / direction.z, true)
       .has_value();
 }
 
@@ -316,7 +337,7 @@ std::optional<TraceHit> GeometryTracer::trace(const glm::dvec3& origin, const gl
   const glm::dvec3 start = origin - glm::dvec3(period, 0);
   const double rise = direction.z > 0 ? 1e-6 - origin.z : origin.z - impl_->z_min + 1e-6;
   const double end = std::min(kReach, rise / std::max(std::abs(direction.z), 1e-12));
-  auto hit = impl_->march(start, direction * impl_->per_length, 1e-9, end);
+  auto hit = impl_->firstHit(start, direction * impl_->per_length, 1e-9, end);
   if (hit) hit->p += period, hit->position += glm::dvec3(period, 0);
   return hit;
 }

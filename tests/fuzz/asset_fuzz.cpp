@@ -3,18 +3,19 @@
 #include <xxhash.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <vector>
 
 #include "material/asset/asset.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace {
 
 using Bytes = std::vector<std::byte>;
 using loden::AssetFile;
 using loden::Share;
+using loden::fuzz::require;
 
 constexpr size_t kPreamble = 32, kEntry = 48, kHash = 24;
 
@@ -43,10 +44,6 @@ void repairChecksums(Bytes& bytes) {
   Bytes hashed(bytes.begin(), bytes.begin() + kHash);
   hashed.insert(hashed.end(), bytes.begin() + kPreamble, bytes.begin() + kPreamble + count * kEntry);
   setHash(bytes, kHash, XXH3_64bits(hashed.data(), hashed.size()));
-}
-
-void require(bool holds) {
-  if (!holds) std::abort();
 }
 
 void loadParts(const Bytes& bytes) {

@@ -1,49 +1,17 @@
 // Any bytes as a glTF scene, for the runtime's loader and for `loden validate`: no crash, no endless loop, no
 // runaway allocation; and what the loader accepts holds together, so that a renderer may index without asking
 // again.
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 
 #include "importer/gltf/pack.h"
 #include "runtime/scene/animation.h"
 #include "runtime/scene/gltf_scene.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace {
 
-namespace fs = std::filesystem;
-
-// A file of this process's own, in a folder with nothing else in it.
-class InputFile {
- public:
-  InputFile() {
-    std::string name = (fs::temp_directory_path() / "loden_fuzz_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~InputFile() {
-    std::error_code error;
-    fs::remove_all(folder_, error);
-  }
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
-  fs::path write(const std::uint8_t* data, std::size_t size) const {
-    const fs::path path = folder_ / "input.gltf";
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-    return path;
-  }
-
- private:
-  fs::path folder_;
-};
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using loden::fuzz::require;
 
 bool isFinite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -116,8 +84,8 @@ void checkScene(const loden::runtime::Scene& scene) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const InputFile file;
-  const fs::path path = file.write(data, size);
+  static const loden::fuzz::InputFolder folder;
+  const auto path = folder.write("input.gltf", loden::fuzz::textOf(data, size));
   if (const auto scene = loden::runtime::loadGltfScene(path)) checkScene(*scene);
   (void)loden::importer::validateGltf(path);
   return 0;

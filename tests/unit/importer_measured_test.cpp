@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "importer/btf/finite_source.h"
 #include "importer/btf/measured/bonn_folder.h"
@@ -138,6 +140,32 @@ TEST(BtfFile, ColourModels_ComeBack) {
   BtfFormat format;
   format.color_model = 2;
   expectRefused(BtfWriter(btf, format).dfmf(), issue_id::kVersion, "colour model 2, Lab");
+}
+
+// What tests/fuzz/btf_fuzz.cpp begins with. After a change of the writer, write the files anew:
+//   LODEN_WRITE_SEEDS=1 unit_importer --gtest_filter='FuzzSeeds.*'
+TEST(FuzzSeeds, AreMeasuredBtfsOfEveryKind) {
+  const MemoryBtf btf = makeBtf(2, 3, 3);
+  BtfFormat plain, stacked, legacy, filled;
+  stacked.images_stacked = true, stacked.color_model = 11;
+  legacy.legacy = true;
+  filled.last_chunk_filled = true;
+  const std::pair<const char*, std::string> seeds[] = {
+      {"dfmf.btf", BtfWriter(btf, plain).dfmf()}, {"dfmf_stacked.btf", BtfWriter(btf, stacked).dfmf()},
+      {"fmf.btf", BtfWriter(btf, plain).fmf()},   {"fmf12.btf", BtfWriter(btf, plain).fmf12()},
+      {"pvf.btf", BtfWriter(btf, plain).pvf()},   {"pvf_legacy.btf", BtfWriter(btf, legacy).pvf()},
+      {"bdi.btf", BtfWriter(btf, plain).bdi()},   {"bdi_filled.btf", BtfWriter(btf, filled).bdi()},
+  };
+  for (const auto& [name, bytes] : seeds) {
+    SCOPED_TRACE(name);
+    const std::string path = std::string(LODEN_TESTS_DIR) + "/fuzz/corpus/btf_fuzz/" + name;
+    if (std::getenv("LODEN_WRITE_SEEDS") != nullptr) std::ofstream(path, std::ios::binary) << bytes;
+    const auto source = openBtfFile(path);
+    ASSERT_TRUE(source.ok()) << source.issue().text;
+    std::ostringstream stored;
+    stored << std::ifstream(path, std::ios::binary).rdbuf();
+    EXPECT_EQ(stored.str(), bytes);
+  }
 }
 
 // What the files of UBO2014 are: 151 x 151 directions, halves, model 11, the cosine in them.

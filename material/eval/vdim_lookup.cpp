@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <tuple>
 
 #include "material/eval/glsl.h"
 #include "material/model/vdim.h"
@@ -143,8 +144,6 @@ struct HeightProgram : LookupInputs {
 };
 #include "material/eval/glsl_end.h"
 
-static_assert(PatchProgram::LODEN_COARSE == kCoarseFootprint);
-
 template <class Program>
 auto effortOf(Lookup lookup) {
   return lookup == Lookup::kFast ? Program::LODEN_EFFORT_FAST : Program::LODEN_EFFORT_DEFAULT;
@@ -269,6 +268,16 @@ std::optional<Lookup> lookupNamed(std::string_view name) {
   for (const Lookup lookup : kLookups)
     if (lookupName(lookup) == name) return lookup;
   return std::nullopt;
+}
+
+bool effortsAreOne(int geometry_side, double footprint) {
+  PatchProgram program;
+  program.loden_material.geometry_side = geometry_side;
+  const auto spent = [&](Lookup lookup) {
+    const auto effort = program.loden_effort_over(effortOf<PatchProgram>(lookup), std::log2(footprint));
+    return std::tuple(effort.layers, effort.visits, effort.step_, effort.samples, effort.inside);
+  };
+  return spent(Lookup::kFast) == spent(Lookup::kDefault);
 }
 
 bool VdimMaps::serve(Lookup lookup) const {

@@ -114,9 +114,9 @@ enum class Lookup : uint32_t {
   kDefault,  // 3 directions; steps of some 1 texel, at most 40, or at most 48 visits
   kQuality,  // the exact first hit on the geometry image, for comparisons; no texture fetch
 };
-// Texels (beyond 128 per side, 128ths of the period, but two texels at most) of a footprint over which kFast
-// and kDefault are one: 1 direction, steps of a quarter of it, at most 40, or at most 24 visits.
-inline constexpr float kCoarseFootprint = 6;
+// Whether kFast and kDefault spend the same on an answer for a footprint that is so many tile periods wide,
+// on a geometry image with geometry_side texels per side: over wide footprints both take few, long steps.
+bool effortsAreOne(int geometry_side, double footprint);
 inline constexpr Lookup kLookups[] = {Lookup::kNone, Lookup::kPaper, Lookup::kFast, Lookup::kDefault,
                                       Lookup::kQuality};
 // "none", "paper", "fast", "default", "quality".

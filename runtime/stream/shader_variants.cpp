@@ -25,12 +25,6 @@ const char* lookupDefine(Lookup lookup) {
   return nullptr;
 }
 
-// loden_effort_units of shaders/loden_vdim.glsl.
-float effortUnits(int geometry_side) {
-  const auto n = float(geometry_side);
-  return std::max(0.5f * n, std::min(n, 128.0f));
-}
-
 }  // namespace
 
 const ProgramRow* findProgramRow(std::string_view name) {
@@ -88,8 +82,7 @@ std::vector<MaterialVariant> rowVariants(const ProgramRow& row) {
 
 MaterialVariant narrowed(const MaterialVariant& variant, const Material& skeleton, LambdaRange range) {
   MaterialVariant left = variant;
-  const float units = effortUnits(skeleton.geometry.side()) / float(skeleton.side);
-  if (std::exp2(range.least) * units > kCoarseFootprint) {
+  if (effortsAreOne(skeleton.geometry.side(), std::exp2(double(range.least)) / skeleton.side)) {
     if (left.lookup == Lookup::kDefault) left.lookup = Lookup::kFast;
     if (left.visibility == Visibility::kDefault) left.visibility = Visibility::kFast;
   }

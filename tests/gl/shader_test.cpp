@@ -85,28 +85,25 @@ TEST(ShaderVariants, LeaveTheNearTermOutAsAWhole) {
   }
 }
 
-// Where both lookups are one, the program that knows so draws. The fixture's geometry image has a texel for
-// each of the material's.
+// Where both lookups are one by the shaders' own text, the program that knows so draws, and nowhere else.
 TEST(ShaderVariants, TakeTheFastLookupOverWideFootprints) {
   Material material = test::nearMaterial();
-  material.surface->fade_end = 4;
+  material.surface->fade_end = 9;
   const auto variant = materialVariant(material, Lookup::kDefault, Visibility::kDefault);
   ASSERT_TRUE(variant.ok());
   ASSERT_EQ(variant->lookup, Lookup::kDefault);
-  ASSERT_EQ(material.geometry.side(), material.side);
-  const float coarse = std::log2(kCoarseFootprint);
-  const MaterialVariant within = narrowed(*variant, material, {coarse - 0.01f, 9}),
-                        beyond = narrowed(*variant, material, {coarse + 0.01f, 9});
-  EXPECT_EQ(within.lookup, Lookup::kDefault);
-  EXPECT_EQ(beyond.lookup, Lookup::kFast);
-  EXPECT_NE(beyond.visibility, Visibility::kDefault);
-  EXPECT_TRUE(rowAllows(forwardRow(), beyond));
-  // A finer image than the lookups' unit is looked up as one of that unit.
-  const int side = material.side = 128;
-  for (const int finer : {side, 2 * side}) {
-    material.geometry.texels.width = finer;
-    EXPECT_EQ(narrowed(*variant, material, {coarse - 0.01f, 9}).lookup, Lookup::kDefault);
-    EXPECT_EQ(narrowed(*variant, material, {coarse + 0.01f, 9}).lookup, Lookup::kFast);
+  for (const int geometry_side : {material.side, 128, 256}) {
+    material.geometry.texels.width = geometry_side;
+    bool found[2] = {};
+    for (float lambda = -6; lambda < 6; lambda += 0.25f) {
+      const bool one = effortsAreOne(geometry_side, std::exp2(double(lambda)) / material.side);
+      found[one] = true;
+      const MaterialVariant left = narrowed(*variant, material, {lambda, 9});
+      EXPECT_EQ(left.lookup, one ? Lookup::kFast : Lookup::kDefault) << lambda;
+      if (one) EXPECT_NE(left.visibility, Visibility::kDefault) << lambda;
+      EXPECT_TRUE(rowAllows(forwardRow(), left));
+    }
+    EXPECT_TRUE(found[false] && found[true]);
   }
 }
 

@@ -232,6 +232,28 @@ TEST(Vdim, AFinerHeightFieldIsNearerAndTakesNoMoreFetches) {
   }
 }
 
+// Where effortsAreOne says so, kFast and kDefault find the same by the same fetches; elsewhere they do not.
+TEST(Vdim, EffortsAreOneOverWideFootprints) {
+  for (const int side : {64, 192}) {
+    const VdimAtlas atlas = buildVdimAtlas(waveImage(side, 0.12, 0.5), {16, 12});
+    const VdimMaps maps{.paper = nullptr, .atlas = &atlas};
+    bool found[2] = {};
+    for (const double footprint : {0.01, 0.03, 0.06, 0.12, 0.25}) {
+      const bool one = effortsAreOne(side, footprint);
+      found[one] = true;
+      bool differs = false;
+      for (const View& view : randomViews(100, 80)) {
+        const auto surface = LocalSurface<double>::flat(1);
+        const auto fast = vdimLookup(maps, Lookup::kFast, view.x, view.wo, surface, footprint),
+                   usual = vdimLookup(maps, Lookup::kDefault, view.x, view.wo, surface, footprint);
+        differs = differs || fast.p != usual.p || fast.fetches != usual.fetches;
+      }
+      EXPECT_EQ(differs, !one) << side << " " << footprint;
+    }
+    EXPECT_TRUE(found[false] && found[true]) << side;
+  }
+}
+
 TEST(Vdim, AtlasHoldsTheDepthsOfFirstHits) {
   for (const double lean : {0.0, 0.35}) {
     const GeometryImage image = waveImage(64, 0.2, lean);

@@ -1,5 +1,5 @@
-// How keys and mouse move the camera: orbit, pan, zoom, fly, focus. No window here, so that tests can drive
-// it.
+// How keys and mouse move the camera: orbit, pan, zoom, fly, focus. This file knows no window, so that tests
+// can drive the camera without one.
 #pragma once
 
 #include <bitset>
@@ -11,46 +11,47 @@
 
 namespace loden::walk {
 
-// What a visitor can hold down or do. Keys that move are held; a window says when they go down and up, and
-// releases all when it loses the focus.
+// The keys that move the camera while they are held, and what dragging the pointer does. A window reports
+// when keys go down and up, and releases all of them when it loses the focus.
 enum class MoveKey { kAhead, kBack, kLeft, kRight, kUp, kDown, kFaster, kCount };
 enum class DragKind { kNone, kOrbit, kPan, kLook };
 
 class CameraControl {
  public:
-  // `scale`: metres that matter here, of which steps and limits are shares.
+  // `scale`: the size of the scene in metres; steps and limits of the motion are proportional to it.
   CameraControl(const Camera& camera, double scale);
 
   const Camera& camera() const { return camera_; }
   void set(const Camera& camera);
   void setScale(double scale);
 
-  // A key goes down or up. Down for a moment only, it still moves for kLeastHold.
+  // A key goes down or up. A key that was down for a moment only still moves the camera for kLeastHold.
   void press(MoveKey key);
   void release(MoveKey key);
-  // The window has lost the focus: whoever lets go elsewhere is not heard.
+  // Releases all keys, for a window that has lost the focus and will not hear when they go up.
   void releaseAll();
 
   void beginDrag(DragKind kind) { drag_ = kind; }
   void endDrag() { drag_ = DragKind::kNone; }
   DragKind drag() const { return drag_; }
-  // Motion of the pointer in pixels, right and down, in a window of that height.
+  // Tells how far the pointer has moved, in pixels to the right and down, in a window window_height high.
   void moved(const glm::dvec2& pixels, double window_height);
-  // Clicks of the wheel; positive comes nearer.
+  // Tells by how many clicks the mouse wheel has turned; positive ones move the camera nearer.
   void wheel(double clicks);
-  // Looks at a point from the same side, as far away as makes what is around it fill a third of the height.
+  // Starts to move the camera to where it looks at `point` from a distance of `distance`, in the direction in
+  // which it looks now.
   void focus(const glm::dvec3& point, double distance);
 
-  // Moves by what is held, and along the way to a focus. True if the camera is another than before the last
-  // call.
+  // Moves the camera by the keys that are held, and towards a focus. True if the camera has changed since the
+  // last call.
   bool advance(double seconds);
-  // Someone moves the camera, or it is under way.
+  // True while keys or the pointer move the camera, or it is under way to a focus.
   bool moving() const;
-  // The visitor has taken over from whatever path there was.
+  // True once the visitor has moved the camera, which then follows no camera path any more.
   bool taken() const { return taken_; }
   void giveBack() { taken_ = false; }
 
-  static constexpr double kLeastHold = 0.05;  // seconds that a tap counts for
+  static constexpr double kLeastHold = 0.05;  // seconds for which a short press moves the camera
 
  private:
   struct Way {

@@ -1,4 +1,4 @@
-// Many frames in one picture.
+// A contact sheet: many frames of a walk in one picture.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,7 +7,7 @@
 
 namespace loden::walk {
 
-// A grid of frames, area-averaged in linear light as they arrive, in reading order.
+// A grid of frames in reading order. Each frame is reduced to its cell, in linear light, when it is added.
 class ContactSheet {
  public:
   // Room for `cells` pictures of `frame` pixels, in a sheet about `width` pixels wide.
@@ -15,7 +15,8 @@ class ContactSheet {
 
   int cells() const { return grid_.x * grid_.y; }
   glm::ivec2 size() const { return size_; }
-  // sRGB codes, first row at the top; cells beyond the last that was added stay black.
+  // Adds a frame to the next cell. Frames and pixels() are sRGB codes, first row at the top; cells that no
+  // frame was added to are black.
   void add(std::span<const glm::u8vec4> frame);
   std::span<const glm::u8vec4> pixels() const { return pixels_; }
 
@@ -25,8 +26,8 @@ class ContactSheet {
   std::vector<glm::u8vec4> pixels_;
 };
 
-// Which of `frames` frames go into a sheet of `cells` pictures: evenly spread, the first and the last among
-// them.
+// Whether frame `frame` of `frames` goes into a sheet of `cells` pictures. Those that do are evenly spread;
+// the first and the last are among them.
 bool onContactSheet(int frame, int frames, int cells);
 
 }  // namespace loden::walk

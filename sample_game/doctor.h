@@ -3,8 +3,8 @@
 
 namespace loden::walk {
 
-// Prints a flat JSON object, schema loden/walk-doctor/1, or one line per fact. Returns the exit code: 4
-// without a context.
+// Prints what OpenGL offers: with `json` as a flat JSON object of the schema loden/walk-doctor/1, else one
+// line per fact. Returns the exit code, which is 4 if there is no OpenGL context.
 int runDoctor(bool json);
 
 }  // namespace loden::walk

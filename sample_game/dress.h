@@ -11,32 +11,32 @@
 
 namespace loden::walk {
 
-// What a file says of its tile.
+// What an asset says about its tile.
 struct TileFacts {
-  std::string name;    // of the material; the file's own where it has none
-  double period = 0;   // metres along x; 0: not known
-  double aspect = 1;   // length along y to that along x
-  glm::vec3 color{1};  // average, linear RGB
+  std::string name;    // the material's name, or the file's if the material has none
+  double period = 0;   // length along x in metres; 0: not known
+  double aspect = 1;   // length along y divided by the length along x
+  glm::vec3 color{1};  // average colour, linear RGB
 };
-// Issues of AssetFile::open.
+// Reads these facts from the asset's header. Issues: those of AssetFile::open.
 Result<TileFacts> readTileFacts(const std::filesystem::path& asset);
 
-// Of a tile whose length nobody has said.
-inline constexpr double kUsualPeriod = 0.04;  // metres
+// Length of a tile in metres where neither the asset nor the user names one.
+inline constexpr double kUsualPeriod = 0.04;
 
-// Index of the file among the scene's assets, where it is added if it is new.
+// Index of the file in the scene's list of assets; adds it to the list if it is not there.
 int assetIndex(runtime::Scene& scene, const std::filesystem::path& asset);
 
-// Index of the material by its name, or the only one that meshes wear if the name is empty. kOption with the
-// names that there are.
+// Index of the material of that name; with an empty name, of the only material that meshes use. The issue is
+// kOption, and lists the names of the scene's materials.
 Result<int> findMaterial(const runtime::Scene& scene, const std::string& name);
 
-// Of all instances that wear the material.
+// How texture coordinates lie on all instances that use the material.
 UvSurvey surveyUvs(const runtime::Scene& scene, int material);
 
-// The material wears the asset, whose tile is then `period` metres long, turned by `rotation` radians.
-// kOption if nothing that wears the material has texture coordinates, or the tile is no square and turned
-// askew.
+// Makes the scene's material show the asset, with tiles `period` metres long that are turned by `rotation`
+// radians. The issue is kOption if no mesh with the material has texture coordinates, or if the tile is not
+// square and the rotation is no multiple of a right angle.
 Status dress(runtime::Scene& scene, int material, int asset, double period, double aspect, double rotation);
 
 }  // namespace loden::walk

@@ -1,4 +1,4 @@
-// Frames as a film, where ffmpeg is installed.
+// Encodes frames as a film by the program ffmpeg, if that is installed.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace loden::walk {
 
-// Makes `film` of frame_0000.png, frame_0001.png ... in `folder`; false, and nothing more, where there is no
-// ffmpeg. kCannotWrite if it fails.
+// Encodes frame_0000.png, frame_0001.png ... in `folder` as the file `film`. Returns false, and does nothing,
+// if ffmpeg is not installed. The issue is kCannotWrite if ffmpeg fails.
 Result<bool> encodeFilm(const std::filesystem::path& folder, const std::filesystem::path& film,
                         int frames_per_second);
 

@@ -6,13 +6,13 @@
 
 namespace loden::walk {
 
-// Around all instances of the scene, world.
+// Bounding box of all instances of the scene, in world space.
 runtime::Bounds boundsOfAll(const runtime::Scene& scene);
 
-// Towards the box's middle from a direction (from there to the camera, unit), as close as leaves all corners
-// of the box in a picture of that shape.
+// A camera that looks at the middle of the box. `direction` is the unit vector from there to the camera. The
+// camera is as close as it can be with all corners of the box in a picture of that aspect.
 Camera framedFrom(const runtime::Bounds& box, const glm::dvec3& direction, double aspect);
-// Before the box, a little above and to its right.
+// A camera that sees all of the box from the front, a little from above and from the right.
 Camera framed(const runtime::Bounds& box, double aspect);
 
 }  // namespace loden::walk

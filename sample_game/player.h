@@ -1,4 +1,4 @@
-// The visitor in the window: hears keys, mouse, panel and dropped files, and does what they ask for.
+// The interactive walk: takes input from keys, mouse, panel and dropped files, and does what it asks for.
 #pragma once
 
 #include <chrono>
@@ -16,16 +16,16 @@ namespace loden::walk {
 
 class Player {
  public:
-  // Both must outlive the player; the world has a window.
+  // World and options must outlive the player; the world must have a window.
   Player(World& world, const Options& options);
 
-  // One round: input, one step of the picture, the panel. False when the visitor leaves. Issues of the
-  // renderer.
+  // Takes the input, draws one step of the picture, and draws the panel. Returns false when the visitor
+  // leaves. Issues: those of the renderer.
   Result<bool> step();
 
   const Camera& camera() const { return control_.camera(); }
   const Picture& picture() const { return picture_; }
-  // Nothing moves and nothing is left to draw: the window may wait for input.
+  // True if nothing moves and nothing is left to draw, so that the window may wait for input.
   bool idle() const;
 
  private:
@@ -43,7 +43,7 @@ class Player {
   Status dropLight(const std::filesystem::path& file);
   void follow(const HudRequests& requests);
   void chooseEnvironment(int index);
-  // The chosen material wears asset `asset` of the scene, or its own look for -1.
+  // Makes the chosen material show the scene's asset `asset`, or glTF's own material for -1.
   Status wear(int asset);
   Status dressAgain();
   void learnPeriod();
@@ -58,7 +58,7 @@ class Player {
   World& world_;
   const Options& options_;
   GLFWwindow* window_;
-  WindowInput input_;  // before the panel, which calls what it finds
+  WindowInput input_;  // made before the panel, whose callbacks call those that it finds
   Hud hud_;
   CameraControl control_;
   Picture picture_;
@@ -69,7 +69,7 @@ class Player {
   std::chrono::steady_clock::time_point last_;
   double path_seconds_ = 0, animation_seconds_ = 0;
   bool animated_ = true, leave_ = false, drags_wipe_ = false;
-  int saved_ = 0;  // pictures
+  int saved_ = 0;  // number of pictures that were saved
 };
 
 }  // namespace loden::walk

@@ -1,4 +1,4 @@
-// What a walk leaves behind: captured frames, a contact sheet, a report.
+// Records a walk: captured frames, a contact sheet, a report.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,21 +12,22 @@
 
 namespace loden::walk {
 
-inline constexpr int kFramesPerSecond = 30;  // of films, and of what moves where nobody watches
+// Of films, and of animations when there is no window.
+inline constexpr int kFramesPerSecond = 30;
 
 class Recorder {
  public:
-  // `frames`: how many there will be; 0 if nobody knows.
+  // `frames`: how many frames there will be; 0 if that is not known.
   Recorder(const Options& options, int frames);
 
-  // Makes the folders.
+  // Makes the folders that files will be written to.
   Status begin();
   bool wantsPixels(int frame) const;
-  // sRGB codes, first row at the top.
+  // Records one frame; its pixels are sRGB codes, first row at the top.
   Status addPixels(int frame, std::span<const glm::u8vec4> pixels);
   void addFrame(FrameRecord record) { report_.frames.push_back(std::move(record)); }
   Report& report() { return report_; }
-  // Writes the sheet and the report, and says on standard output what was written where.
+  // Writes the contact sheet and the report, and prints the names of all files that were written.
   Status finish();
 
  private:

@@ -1,4 +1,4 @@
-// What `loden_walk --report` writes.
+// The report that `loden_walk --report` writes.
 #pragma once
 
 #include <filesystem>
@@ -27,11 +27,11 @@ struct Report {
   runtime::Capabilities gl;
   double start_ms = 0;  // from the start of the process to the first frame
   std::vector<FrameRecord> frames;
-  std::optional<Camera> camera;  // at the end, of a walk in a window
+  std::optional<Camera> camera;  // where a walk in a window ended
   runtime::ShaderStats shaders;
 };
 
-// JSON, schema loden/walk/1. kCannotWrite.
+// Writes the report as JSON of the schema loden/walk/1. Issues: kCannotWrite.
 Status writeReport(const std::filesystem::path& path, const Report& report, const Options& options);
 
 }  // namespace loden::walk

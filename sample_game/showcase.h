@@ -6,7 +6,8 @@
 
 namespace loden::walk {
 
-// Metres, y up; texture coordinates are in metres, so that a tile is as long everywhere. Without lights.
+// The scene, in metres with y up and without lights. Texture coordinates are in metres, so that tiles have
+// the same length everywhere.
 runtime::Scene showcaseScene(const std::filesystem::path& asset, const TileFacts& facts, double period);
 
 }  // namespace loden::walk

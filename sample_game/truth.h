@@ -15,11 +15,11 @@ struct Truth {
   glm::ivec2 size{0};
   std::vector<glm::u8vec4> codes;  // sRGB, [height][width], first row at the top
 };
-// Issues of openFileSource and decodeImage; kOption if its proportions are not those of a window of that
-// size, to a pixel.
+// Reads the picture, which must have the proportions of a window of that size, to a pixel. Issues: those of
+// openFileSource and decodeImage; kOption if the proportions differ.
 Result<Truth> readTruth(const std::filesystem::path& file, const Camera& camera, glm::ivec2 window);
 
-// Whether it shows what a picture of that size shows of that camera.
+// Whether the truth shows what a picture of that size shows from that camera.
 bool isOf(const Truth& truth, const Camera& camera, glm::ivec2 size);
 
 }  // namespace loden::walk

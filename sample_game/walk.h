@@ -5,8 +5,8 @@
 
 namespace loden::walk {
 
-// Returns the process's exit code: 0 ok, 2 files, 3 invalid input, 4 GL or memory, 5 unsupported, 130
-// interrupted.
+// Runs the walk, and returns the exit code of the process: 0 if all went well, 2 if a file cannot be read or
+// written, 3 for invalid input, 4 if OpenGL or memory fails, 5 for what is not supported, 130 if interrupted.
 int runWalk(const Options& options);
 
 }  // namespace loden::walk

@@ -1,5 +1,5 @@
-// What a window hears: every press is kept until it is asked for, however short it was and however long a
-// frame takes.
+// Input of a window. Every press is kept until take() is called, so that none is lost however short it was
+// and however long a frame takes.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ struct ButtonEvent {
   glm::dvec2 at{0};    // window coordinates, from the top left
 };
 
-// What has happened since the last time it was asked.
+// All input since the last take().
 struct InputEvents {
   std::vector<KeyEvent> keys;
   std::vector<ButtonEvent> buttons;
@@ -32,8 +32,8 @@ struct InputEvents {
   std::vector<std::filesystem::path> dropped;
 };
 
-// One for a window, which must outlive it. Make it before other users of the window's callbacks, which then
-// call these in turn.
+// Collects the input of one window, which must outlive it. It must be made before other objects that set
+// callbacks of the window; their callbacks then call those of this class.
 class WindowInput {
  public:
   explicit WindowInput(GLFWwindow* window);

@@ -1,4 +1,4 @@
-// Everything that a walk draws with, set up in the order in which the parts need each other.
+// Everything that a walk draws with. Members are in the order in which they are set up.
 #pragma once
 
 #include <memory>
@@ -22,23 +22,22 @@ struct World {
   std::unique_ptr<runtime::MaterialSystem> materials;
   std::unique_ptr<runtime::FrameRenderer> renderer;
   runtime::FrameSettings settings;
-  runtime::CameraPath path;  // of one key where nothing moves
+  runtime::CameraPath path;  // has one key if the camera does not move
   runtime::Scene scene;      // without its images
   Lighting lighting;
-  int animation = -1;      // of the scene; -1: nothing moves
-  int scene_camera = -1;   // of the scene, that the picture is seen through; -1: the path's
-  double animated_to = 0;  // seconds into the animation
+  int animation = -1;      // index of the scene's animation that is played; -1: none
+  int scene_camera = -1;   // index of the scene's camera that shows the picture; -1: the path's camera does
+  double animated_to = 0;  // time in the animation, seconds
   std::optional<Truth> truth;
 
-  // Moves the scene to `seconds` since its first frame, the animation starting over at its end. The camera
-  // that the picture is then seen through, if it is the scene's.
+  // Moves the scene to where its animation is `seconds` after the first frame, which was at `first` seconds
+  // of the animation; at its end the animation starts over. Returns the camera if it is one of the scene's.
   std::optional<Camera> animate(double seconds, double first);
-  // Whether parallax occlusion mapping has something to draw.
+  // Whether a material is a height field, so that parallax occlusion mapping can draw it.
   bool hasHeightField() const;
-  // The pose that was drawn last.
+  // The pose of the scene that was drawn last.
   runtime::ScenePose pose() const;
-  // Walks through another scene from now on, with a camera that sees all of it; where that cannot be, the old
-  // one stays.
+  // Replaces the scene, and sets a camera that sees all of the new one. If that fails, the old scene stays.
   Status replaceScene(runtime::Scene next, double aspect);
 };
 Result<World> makeWorld(const Options& options);

@@ -17,10 +17,10 @@ inline Json vec(glm::vec3 v) {
   return {v.x, v.y, v.z};
 }
 
-// The document and its one buffer.
+// A glTF document and its one buffer, which write() writes.
 class SceneWriter {
  public:
-  // Files are named after it.
+  // `name` is the scene's name, and that of the files.
   explicit SceneWriter(const std::string& name) : name_(name) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Loden"}};
     json_["extensionsUsed"] = {"KHR_lights_punctual"};
@@ -57,7 +57,8 @@ class SceneWriter {
   }
 
   void addNode(Json node) {
-    const int index = append("nodes", std::move(node));  // first: a new member moves the others
+    const int index =
+        append("nodes", std::move(node));  // made first: adding a member to json_ moves the others
     json_["scenes"][0]["nodes"].push_back(index);
   }
   void addLight(Json light, glm::vec3 position, Json rotation = {}) {

@@ -47,8 +47,9 @@ TEST(StressCoordinates, EveryCoordinateAtEveryLevelIsFinite) {
           broken += !blackOrLight(evaluator.evaluate(d, kLight, kView));
         }
   }
-  record("values at edge coordinates and levels, not finite ones among them", double(values), "all tried");
-  record("of these not finite, or negative", double(broken), "0");
+  record("values at edge coordinates and levels, including coordinates and levels that are not finite",
+         double(values), "all tried");
+  record("values at edge coordinates and levels that are not finite, or negative", double(broken), "0");
   EXPECT_EQ(broken, 0);
 }
 
@@ -74,8 +75,12 @@ TEST(StressCoordinates, ValuesAreRightOnAndBesideTheBordersOfTexels) {
       }
   }
   record("values on and beside borders of texels, up to 1e30 periods away", double(count), "");
-  record("float against the definition in double, largest difference", most[0], "<= 2e-6");
-  record("double against the definition, tables stored in floats", most[1], "<= 1e-7");
+  record("values on and beside borders of texels: float against the definition in double, largest difference",
+         most[0], "<= 2e-6");
+  record(
+      "values on and beside borders of texels: double, with tables in floats, against the definition, "
+      "largest difference",
+      most[1], "<= 1e-7");
   // Weights up to .9 / c and tables up to 1, twelve of them at .1, 1.77 of chroma: floats of both are off by
   // 6e-8 of themselves.
   EXPECT_LE(most[1], 1e-7);
@@ -116,8 +121,10 @@ TEST(StressCoordinates, WholePeriodsDoNotMatter) {
   }
   record("values moved by up to 1e5 periods that differ in a bit, of " + std::to_string(count),
          double(different), "0");
-  record("p of lookups moved so, float, in ulp of the coordinate", worst_float, "<= 4");
-  record("the same, double, tile periods", worst_double, "<= 1e-9");
+  record("p of lookups moved by up to 1e5 periods, in float: largest change, in ulp of the coordinate",
+         worst_float, "<= 4");
+  record("p of lookups moved by up to 1e5 periods, in double: largest change, tile periods", worst_double,
+         "<= 1e-9");
   EXPECT_EQ(different, 0);
   EXPECT_LE(worst_float, 4);
   EXPECT_LE(worst_double, 1e-9);

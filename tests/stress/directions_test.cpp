@@ -71,9 +71,12 @@ TEST(StressDirections, EveryPairOfEdgesIsFiniteAndBlackBelowTheHorizon) {
     }
   }
   record("values of pairs of edge directions", double(broken.values), "all of them tried");
-  record("of these not finite, or negative", double(broken.not_finite_or_negative), "0");
-  record("of these not black, though a direction is no direction or below the horizon",
-         double(broken.lit_from_nowhere), "0");
+  record("values of pairs of edge directions that are not finite, or negative",
+         double(broken.not_finite_or_negative), "0");
+  record(
+      "values of pairs of edge directions that are not black, though one is no direction or below the "
+      "horizon",
+      double(broken.lit_from_nowhere), "0");
 }
 
 TEST(StressDirections, LengthDoesNotMatterToValues) {
@@ -327,11 +330,11 @@ TEST(StressDirections, LookupsMeetAPlaneWhereverTheyComeFrom) {
     }
     const std::string kind =
         surface->identity_parameterization ? "a height field" : "a parameterized surface";
-    record(
-        "lookups on a plane that is " + kind + ": searches that do not converge, of " + std::to_string(count),
-        double(lost), "0");
-    record("the same: p off its closed form, double, tile periods", worst_double, "<= 1e-5");
-    record("the same, of x and wo in float", worst_float, "<= 5e-5");
+    const std::string what = "lookups on a plane that is " + kind + ": ";
+    record(what + "searches that do not converge, of " + std::to_string(count), double(lost), "0");
+    record(what + "difference of p to its closed form, tile periods", worst_double, "<= 1e-5");
+    record(what + "difference of p to its closed form with x and wo in float, tile periods", worst_float,
+           "<= 5e-5");
     EXPECT_EQ(lost, 0);
     // The plane's z is a code of 16 bits of its own range and x codes of 10 bits of a range near 0.
     EXPECT_LE(worst_double, 1e-5);

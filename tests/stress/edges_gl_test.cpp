@@ -217,10 +217,12 @@ std::vector<Case> cases() {
 
 void note(const std::string& what, const Compared& compared) {
   record(what + ": samples compared", double(compared.samples), "all tried");
-  record(what + ": not finite or negative on the GPU", double(compared.not_finite_or_negative), "0");
-  record(what + ": different, and no step within 4 ulp", double(compared.different), "0");
-  record(what + ": largest difference", compared.largest, "<= 1e-3 of white");
-  record(what + ": share beside a step", double(compared.beside_steps) / double(compared.samples), "<= .01");
+  record(what + ": samples not finite or negative on the GPU", double(compared.not_finite_or_negative), "0");
+  record(what + ": samples that differ from the evaluator, with no step within 4 ulp",
+         double(compared.different), "0");
+  record(what + ": largest difference to the evaluator", compared.largest, "<= 1e-3 of white");
+  record(what + ": share of samples beside a step", double(compared.beside_steps) / double(compared.samples),
+         "<= .01");
   EXPECT_EQ(compared.not_finite_or_negative, 0);
   EXPECT_EQ(compared.different, 0);
   EXPECT_LE(double(compared.beside_steps), 0.01 * double(compared.samples));
@@ -333,10 +335,12 @@ TEST_F(StressGl, FootprintsOfEveryShapeHaveALevel) {
     wrong_taps += (ratio > 1.5) != (gpu[k].y == 2);
   }
   record("footprints: lambda against its definition, levels", worst, "<= 1e-4");
-  record("footprints: value at what find_hit makes of them against its definition", value, "<= 1e-3");
-  record("footprints of 1000 : 1 and more among them", double(stretched), "all tried");
+  record("footprints: value of the hit that find_hit makes of them, against its definition", value,
+         "<= 1e-3");
+  record("footprints whose sides are as 1000 : 1 and more", double(stretched), "all tried");
   record("footprints with another number of taps than their shape asks for", double(wrong_taps), "0");
-  record("footprints, not finite ones among them, whose level or value is none", double(unusable), "0");
+  record("footprints, including those that are not finite, whose level or value is not finite",
+         double(unusable), "0");
   EXPECT_LE(worst, 1e-4);
   EXPECT_LE(value, 1e-3);
   EXPECT_EQ(wrong_taps, 0);

@@ -78,7 +78,8 @@ TEST(StressFits, LaeuchliKeepsItsSmallSingularValues) {
     }
   record("Läuchli, 3 to 200 columns, e to 1e-10: residual over the best that a rank leaves, in e", worst,
          "<= 1e-3");
-  record("the same: basis off orthonormal", skew, "<= 1e-12");
+  record("Läuchli, 3 to 200 columns, e to 1e-10: difference of the basis to an orthonormal one", skew,
+         "<= 1e-12");
   EXPECT_LE(worst, 1e-3);
   EXPECT_LE(skew, 1e-12);
 }
@@ -120,7 +121,8 @@ TEST(StressFits, RankDeficientConstantAndExtremeDataComesBack) {
     }
   record("rank 0 to 3, one row to 400, values 1e-150 to 1e150: residual, of the largest value", worst,
          "<= 1e-13");
-  record("the same: weights of components beyond the rank", surplus, "<= 1e-12");
+  record("rank 0 to 3, one row to 400, values 1e-150 to 1e150: weights of components beyond the rank",
+         surplus, "<= 1e-12");
   EXPECT_LE(worst, 1e-13);
   EXPECT_LE(surplus, 1e-12);
 }
@@ -465,7 +467,8 @@ TEST(StressFits, AssetsAreTheSameBytesAtOneToEightThreads) {
   record("assets cooked with 2 to 8 threads asked for, on " + std::to_string(usableThreads(0)) +
              " cores, four plans",
          double(assets), "all tried");
-  record("of these with another byte than with one thread", double(different), "0");
+  record("assets cooked with 2 to 8 threads that differ in a byte from those of one thread",
+         double(different), "0");
   EXPECT_EQ(different, 0);
 }
 
@@ -555,7 +558,8 @@ TEST(StressFits, AssetsOfAnyBrightnessAreWrittenReadAndRight) {
     }
   }
   record("inputs times 1e-6 to 1e6: growth of the relative error over that at 1", worst_growth, "<= .02");
-  record("the same under a white sky, error against the integral", worst_sky, "<= .1");
+  record("inputs times 1e-6 to 1e6, under a white sky: relative error against the integral", worst_sky,
+         "<= .1");
   EXPECT_LE(worst_growth, 0.02);
   EXPECT_LE(worst_sky, 0.1);
 }

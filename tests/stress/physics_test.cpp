@@ -143,10 +143,10 @@ TEST(StressPhysics, TilesAreReciprocalWithinNoise) {
           ++pairs;
         }
   }
-  record("reciprocity of tile averages, " + std::to_string(pairs) +
-             " pairs, 0 and 6 bounces: largest difference beyond .5 %, in standard errors",
-         worst, "<= 4");
-  record("the same: largest relative difference, noise included", largest, "<= .03");
+  const std::string what =
+      "reciprocity of tile averages, " + std::to_string(pairs) + " pairs, 0 and 6 bounces: ";
+  record(what + "largest difference beyond .5 %, in standard errors", worst, "<= 4");
+  record(what + "largest relative difference, noise included", largest, "<= .03");
   EXPECT_LE(worst, 4);
   EXPECT_LE(largest, 0.03);
 }
@@ -220,12 +220,12 @@ TEST(StressPhysics, LambertSurvivesBakeAndCook) {
       worst = std::max(worst, at(finestLevel(material)));
       coarse = std::max(coarse, at(4));
     }
-    const std::string name = modeName(mode);
-    record("white Lambert plane baked and cooked as " + name + ", near: largest difference to the cosine",
-           worst, "<= 1e-6");
+    const std::string name = modeName(mode), what = "white Lambert plane baked and cooked as " + name;
+    record(what + ", near: largest difference to the cosine", worst, "<= 1e-6");
     EXPECT_LE(worst, 1e-6) << name;
     // Far away the mean and tables of 8 bits over 25 x 6 directions stand for it.
-    record("the same at lambda 4", coarse, mode == Mode::kSurface ? "<= 1e-6" : "<= .01");
+    record(what + ", at lambda 4: largest difference to the cosine", coarse,
+           mode == Mode::kSurface ? "<= 1e-6" : "<= .01");
     EXPECT_LE(coarse, mode == Mode::kSurface ? 1e-6 : 0.01) << name;
   }
 }
@@ -266,11 +266,11 @@ TEST(StressPhysics, LightFromAllAroundIsThatOfManyLights) {
           off += std::abs(at_once.y - many.y), sum += many.y;
           worst = std::max(worst, std::abs(at_once.y - many.y));
         }
-        const std::string what =
-            std::string(modeName(mode)) + ", lambda " + shortNumber(lambda) + ", " + sky_name;
-        record("at once against 1,152 lights, " + what + ": mean difference, of the mean value", off / sum,
-               "<= .02");
-        record("the same, largest difference, of the mean value", worst / (sum / points), "<= .1");
+        const std::string what = "light from all around at once against 1,152 lights, " +
+                                 std::string(modeName(mode)) + ", lambda " + shortNumber(lambda) + ", " +
+                                 sky_name;
+        record(what + ": mean difference, of the mean value", off / sum, "<= .02");
+        record(what + ": largest difference, of the mean value", worst / (sum / points), "<= .1");
         EXPECT_LE(off / sum, 0.02) << what;
         EXPECT_LE(worst / (sum / points), 0.1) << what;
       }

@@ -125,7 +125,8 @@ TEST(StressPrecision, HalvesRoundToTheNearest) {
     wrong += halfFromFloat(below(middle)) != bits || halfFromFloat(above(middle)) != bits + 1;
   }
   record("halves from 0 to 65504, and the floats between them", double(count), "all tried");
-  record("of these not rounded to the nearest", double(wrong), "0");
+  record("halves from 0 to 65504, and the floats between them, that are not rounded to the nearest",
+         double(wrong), "0");
   EXPECT_EQ(wrong, 0);
   // Texels saturate instead of becoming infinite.
   Texture texel = Texture::make(TexelFormat::kRGBA16Sfloat, TextureShape::kArray2D, 1, 1, 1);

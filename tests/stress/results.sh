@@ -57,8 +57,8 @@ title() {
 part of each, with the same bounds. Each row gives a measured number, the bound that the test requires, and
 the command that measures it. Commands are programs of the build's `bin` folder, which run at full length if
 `LODEN_STRESS_LONG` is set. Expected values are closed forms, formulas written out in double in the test,
-certified values, or rays traced through the tile. A row that begins with "the same" or "of these" belongs to
-the row above it. What follows from the tables, as long as all rows meet their bounds:
+certified values, or rays traced through the tile. What follows from the tables, as long as all rows meet
+their bounds:
 
 - Every direction, coordinate and level of detail gives a finite value that is not negative, in the evaluator
   and in the shaders, and there are no steps over directions and levels.

@@ -129,11 +129,9 @@ TEST(StressShadows, FlatTilesOnConvexBodiesHaveNone) {
                                      glm::vec3(wi), float(wide)) < 0.999f;
         }
     }
-  record(
-      "flat tiles on plane, cylinder and sphere, lights down to the horizon, coordinates in double and in "
-      "float",
-      double(tried), "tried");
-  record("of these in shadow of their own: acne", double(dark), "0");
+  const std::string what = "flat tiles on plane, cylinder and sphere, lights down to the horizon: ";
+  record(what + "points, with coordinates in double and in float", double(tried), "tried");
+  record(what + "points in a shadow of their own (acne)", double(dark), "0");
   EXPECT_EQ(dark, 0);
 }
 
@@ -145,11 +143,13 @@ TEST(StressShadows, ReliefsLeakNoLightBeyondTheBias) {
       const std::string what = std::string(body.name) + ", lookup " + std::string(lookupName(lookup));
       const auto share = [&](int64_t n) { return double(n) / double(s.tried); };
       record(what + ": share of points in shadow", share(s.dark), "");
-      record(what + ": share lit though blocked by more than " + shortNumber(kBias) + " tile lengths: leaks",
-             share(s.leaks), "<= .001");
-      record(what + ": share dark though clear by more than that: acne", share(s.acne), "<= .001");
-      record(what + ": the largest such height of a blocker", s.largest_leak, "");
-      record(what + ": the largest such clearance", s.largest_acne, "");
+      const std::string bias = shortNumber(kBias) + " tile lengths";
+      record(what + ": share of points lit though blocked by more than " + bias + " (leaks)", share(s.leaks),
+             "<= .001");
+      record(what + ": share of points dark though clear by more than " + bias + " (acne)", share(s.acne),
+             "<= .001");
+      record(what + ": the largest height of a blocker over a lit point", s.largest_leak, "");
+      record(what + ": the largest clearance of a dark point", s.largest_acne, "");
       EXPECT_LE(share(s.leaks), 0.001) << what;
       EXPECT_LE(share(s.acne), 0.001) << what;
       EXPECT_GT(share(s.dark), 0.02) << what;

@@ -12,17 +12,18 @@
 
 namespace loden::stress {
 
-// How many of something: the first in the tests, the second by ./loden.sh stress (LODEN_STRESS_LONG is set).
+// How much a test does: `quick` among the tests, `long_run` in `./loden.sh stress`, which sets
+// LODEN_STRESS_LONG.
 int64_t amount(int64_t quick, int64_t long_run);
 
-// Prints a number and what it must be, and adds a row to the file that LODEN_STRESS_RECORD names, if it
-// does: what was measured, the number, the bound, the command.
+// Prints what was measured, the number, and its bound. If the environment sets LODEN_STRESS_RECORD, adds
+// these and the command as a row to the file of that name.
 void record(const std::string& what, double number, const std::string& bound);
 void recordText(const std::string& what, const std::string& number, const std::string& bound);
-// "1.5e-07".
+// The number in two digits, such as "1.5e-07".
 std::string shortNumber(double number);
 
-// Counts by powers of two of an error in some unit: up to 1/2, 1, 2, 4 ... 64, and more.
+// Counts errors by powers of two: how many are up to 1/2, 1, 2, 4 ... 64 units, and how many are more.
 class Histogram {
  public:
   void add(double error);
@@ -30,7 +31,7 @@ class Histogram {
   int64_t count() const { return count_; }
   // Share of the values whose error is at most `unit`, a power of two from 1/2 to 64.
   double shareUpTo(double unit) const;
-  // "<=.5: 93.1 %, <=1: 5 %, ...; most 3.1".
+  // The shares and the largest error as a text: "<=.5: 93.1 %, <=1: 5 %, ...; most 3.1".
   std::string text() const;
 
  private:
@@ -45,6 +46,7 @@ inline double ulpOf(double value) {
   return double(std::nextafter(f, std::numeric_limits<float>::infinity())) - double(f);
 }
 
+// The float that is so many floats above, or below, the value.
 inline float above(float value, int ulps = 1) {
   for (int k = 0; k < ulps; ++k) value = std::nextafter(value, std::numeric_limits<float>::infinity());
   return value;
@@ -54,35 +56,38 @@ inline float below(float value, int ulps = 1) {
   return value;
 }
 
-// Finite and not negative.
+// Whether all components are finite and none is negative.
 template <class T>
 bool blackOrLight(const glm::vec<3, T>& value) {
   for (int c = 0; c < 3; ++c)
     if (!(value[c] >= 0) || !std::isfinite(value[c])) return false;
   return true;
 }
+// The largest magnitude of a component.
 template <class T>
 double largestOf(const glm::vec<3, T>& value) {
   return std::max({std::abs(double(value.x)), std::abs(double(value.y)), std::abs(double(value.z))});
 }
 
-// A direction, and whether light or sight can come along it: all components finite, z above 0.
+// A direction to test. It is valid if light can come, or an eye can look, along it: all components are finite
+// and z is above 0.
 struct EdgeDirection {
   std::string name;
   glm::vec3 w;
-  bool valid = true;  // else what is shown is black
-  bool unit = true;   // to float's rounding
+  bool valid = true;  // if not, black has to be shown
+  bool unit = true;   // of unit length up to the rounding of float
 };
-// Along the normal, horizontal, just above the horizon, below it, zero, signed zeros, not of unit length, not
-// finite; on and beside the seams of every map of directions: azimuths at multiples of 45 degrees, rows of
-// theta, the last row, the limit of lookups.
+// Directions along the normal, horizontal, just above and below the horizon, zero with both signs, not of
+// unit length, not finite; and on and beside the seams of every map of directions: azimuths at multiples of
+// 45 degrees, rows of theta, the last row, and theta_max, the limit of lookups.
 std::vector<EdgeDirection> edgeDirections(float theta_max);
 
-// Coordinates in tile periods: whole ones up to 1e5 of both signs, borders and centres of the texels of a
-// side, each with its neighbours one ulp below and above.
+// Coordinates in tile periods: whole numbers up to 1e5 of both signs, and borders and centres of texels,
+// `side` to the period, each with its neighbours one ulp below and above.
 std::vector<float> edgeCoordinates(int side);
 
-// Levels: not a number, infinite, every value of `borders` with its neighbours, and beyond the last.
+// Levels of detail: not a number, infinite, every value of `borders` with its neighbours, and beyond the
+// last.
 std::vector<float> edgeLevels(const std::vector<float>& borders);
 
 }  // namespace loden::stress

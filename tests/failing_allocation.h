@@ -1,5 +1,5 @@
-// Replaces the allocator of a program by one that fails where a test says. Included once, in a program of its
-// own.
+// Replaces the allocator of a program by one that fails where a test says. A test program of its own includes
+// this file, in one source file.
 #pragma once
 
 #include <atomic>
@@ -9,16 +9,16 @@
 
 namespace loden::test {
 
-// Whether what this thread allocates now counts; `caller` is the address of the code that asks, null where
-// that is not known. Each program defines it.
+// Whether an allocation by this thread counts. `caller` is the address of the code that allocates, or null if
+// it is not known. Each program defines this function.
 bool allocationCounts(const void* caller);
 
-// What counts is numbered from 0.
+// Counts allocations and decides which of them fail. Those that count are numbered from 0.
 struct Allocations {
   std::atomic<long> made{0}, live{0};
   std::atomic<long> fail_at{-1}, fail_count{1};  // the first that fails, or -1, and how many from there on
 
-  // Counts anew.
+  // Starts to count from 0, and lets `count` allocations fail from number first_to_fail on; -1: none.
   void begin(long first_to_fail, long count = 1) {
     made = live = 0;
     fail_count = count, fail_at = first_to_fail;
@@ -38,7 +38,8 @@ inline constinit Allocations allocations;
 
 }  // namespace loden::test
 
-// LODEN_FAIL_MALLOC: what C libraries allocate counts too. Not with sanitizers, whose own malloc stays.
+// With LODEN_FAIL_MALLOC allocations of C libraries count too, except with sanitizers, which have their own
+// malloc.
 #if defined(LODEN_FAIL_MALLOC) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 extern "C" {

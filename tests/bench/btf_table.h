@@ -1,5 +1,4 @@
-// The whole BTF as textures, read and interpolated in four dimensions: what every compression is measured
-// against.
+// The whole BTF as textures, read and interpolated in four dimensions. Compressions are measured against it.
 #pragma once
 
 #include <array>
@@ -18,7 +17,7 @@ class BtfTable {
  public:
   static constexpr int kTextures = 8;
   explicit BtfTable(const importer::BakedOutput& baked);
-  void bind() const;  // to LODEN_MAX_UNITS and up
+  void bind() const;  // to the texture units from LODEN_MAX_UNITS on
   uint64_t bytes() const { return bytes_; }
 
  private:
@@ -26,9 +25,9 @@ class BtfTable {
   uint64_t bytes_ = 0;
 };
 
-// vec3 btf_table_value(vec2 x, float lambda, vec3 wi, vec3 wo): linear between two samples on a ring and
-// between two rings, for light and view, trilinear over x: 16 texture instructions. Needs loden_material.glsl
-// before it.
+// GLSL text of vec3 btf_table_value(vec2 x, float lambda, vec3 wi, vec3 wo). It interpolates light and view
+// linearly between two samples on a ring and between two rings, and x trilinearly, by 16 texture
+// instructions. The text must follow that of loden_material.glsl.
 extern const char kBtfTableLibrary[];
 
 }  // namespace loden::bench

@@ -1,4 +1,4 @@
-// What the streaming bench walks through: real assets, and a scene with many materials of which few are seen.
+// Scenes of the streaming benchmark: real assets, and many materials of which few are seen at a time.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,21 @@
 
 namespace loden::bench {
 
-// Every .loden file of the folder, by name; without a folder the four tiles as fused and as surface, baked
-// (kept in out/studies/bakes) and cooked. Exits if there is none.
+// The materials of every .loden file of the folder, sorted by name. Without a folder they are the four
+// builtin tiles in the modes fused and surface, which are baked (into out/studies/bakes) and cooked. The
+// program exits if there is none.
 std::vector<Material> galleryMaterials(const std::filesystem::path& folder);
 
-// `count` panels, 1.2 m apart, in a wall along x. Panel i shows material i, of its own asset and name, which
-// differs from the one that it was made of by a tint. A sun, and light from the sky. A tile is as large as
-// makes the nearest texels of a picture of `height` pixels as large as its pixels.
+// A wall along x of `count` panels, 1.2 m apart, under a sun. Each panel shows a material of its own:
+// one of `materials` in turn, with a tint, as an asset with a name of its own. Tiles have the size at which
+// the nearest texels in a picture of `height` pixels are as large as pixels.
 runtime::Scene galleryScene(const std::vector<Material>& materials, int count, int height);
-// From where a visitor stands before panel `at` (fractions are between), looking along the wall: some seven
-// are in view.
+// The view of a visitor who stands before panel `at` and looks along the wall; a fraction is a place between
+// two panels. About seven panels are in view.
 runtime::View galleryView(float at, glm::ivec2 size);
 
-// `count` planes with one small material each; all but the first stand behind the camera.
+// A scene of `count` planes, each with an asset of its own that holds `material`; all planes but the first
+// stand behind the camera.
 runtime::Scene planeScene(const Material& material, int count);
 
 // One scene with its own materials and renderer, ready to be drawn again and again.
@@ -40,7 +42,7 @@ struct Stage {
   // Returns the milliseconds of CPU time that MaterialSystem::update took on this thread.
   double frame(const runtime::View& view, float seconds, const runtime::RenderTarget& target) const;
 };
-// With shaders of its own, or those of another stage.
+// A stage with the shaders of another stage, or with shaders of its own if `shaders` is null.
 Stage makeStage(const runtime::Device& device, const runtime::Scene& scene,
                 const runtime::MaterialSystemOptions& options,
                 std::shared_ptr<runtime::ShaderLibrary> shaders = nullptr);

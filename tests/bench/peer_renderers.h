@@ -1,5 +1,5 @@
-// What engines draw meso-geometry with, each as its author would: peers of Loden's renderers in a benchmark.
-// They have no cast shadows, as such shaders usually have not.
+// Renderers of small geometry that engines use, to compare Loden with, each written as its author would. They
+// draw no cast shadows, since such shaders usually do not.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,9 @@
 
 namespace loden::bench {
 
-// Surface maps over the parameter domain, made maps of what rays from straight above meet: those of a
-// normal-mapped plane. The same where the parameterization is the identity.
+// The material with its surface maps resampled: from maps over the parameter domain to maps over x, of what
+// rays from straight above meet, as a normal-mapped plane needs them. If the parameterization is the
+// identity, the maps stay as they are.
 Material seenFromAbove(Material material, const importer::TileTracer& tracer);
 
 // The heights of a tile that is a height field (identity parameterization) as a mip-mapped texture of 16
@@ -18,7 +19,7 @@ Material seenFromAbove(Material material, const importer::TileTracer& tracer);
 class HeightMap {
  public:
   explicit HeightMap(const GeometryImage& geometry);
-  void bind(const runtime::GlProgram& program) const;  // to kFreeUnit
+  void bind(const runtime::GlProgram& program) const;  // to the texture unit kFreeUnit
   uint64_t bytes() const { return bytes_; }
 
  private:
@@ -27,20 +28,22 @@ class HeightMap {
   uint64_t bytes_ = 0;
 };
 
-// Linear steps down the view ray until it is below the height map, then bisections between the last two; the
-// surface maps of `material` are read there.
+// Parallax occlusion mapping: linear steps down the view ray until it is below the height map, then
+// bisections between the last two steps. The surface maps of `material` are read where they end.
 TileRenderer marchRenderer(const runtime::Device& device, const std::string& name, int steps, int bisections,
                            const Material& material, std::shared_ptr<const HeightMap> heights);
 
-// The cone map of the same (Dummer 2006): per texel the depth and the width of the widest empty cone above
-// it. `steps` steps down the view ray, each to where it leaves the cone of the texel below.
+// Cone step mapping (Dummer 2006). A texel of the cone map holds the depth, and the width of the widest empty
+// cone above it. The march takes `steps` steps down the view ray, each to where the ray leaves the cone of
+// the texel below.
 TileRenderer coneRenderer(const runtime::Device& device, int steps, const Material& material);
 
-// One colour, as it is when drawn.
+// Draws one colour, the one that `color` holds at the time of drawing.
 TileRenderer constantRenderer(const runtime::Device& device, const Material& material,
                               std::shared_ptr<const glm::vec3> color);
 
-// The whole table of a bake over Bonn's directions whose size is a power of two, as its mips are 2 x 2 means.
+// Draws the full BTF table (BtfTable) of a bake over Bonn's directions. The bake's size must be a power of
+// two, since the table's mips are means of 2 x 2 texels.
 TileRenderer tableRenderer(const runtime::Device& device, const Material& material,
                            const importer::BakedOutput& baked);
 

@@ -1,4 +1,4 @@
-// The renderers of a tile: what is cooked for each, and how it is named in tables.
+// The list of all renderers of a tile: how they are named in tables, and how their assets are cooked.
 #pragma once
 
 #include <memory>
@@ -11,11 +11,12 @@
 
 namespace loden::bench {
 
-// The one whose time is 1; always there.
+// The name of the renderer whose time is 1; it is always drawn.
 inline constexpr const char* kBaseRenderer = "normal map";
 
-// Those that `arguments` wants and that can draw this tile: marches need a height field, the mesh a surface
-// of one chart, the table a power of two. `constant` is what a constant colour draws.
+// The renderers that `arguments` asks for and that can draw this tile: marches need a height field, the mesh
+// needs a surface of one chart, the BTF table needs a size that is a power of two. `constant` is the colour
+// that the renderer of one colour draws.
 std::vector<TileRenderer> tileRenderers(const runtime::Device& device, const TileArguments& arguments,
                                         const std::string& tile, const importer::BakedOutput& baked,
                                         const importer::TileTracer& tracer,

@@ -16,15 +16,15 @@
 
 namespace loden::bench {
 
-// Texture units of materials, then those free for renderers of other kinds.
+// The first texture unit that no material takes, and the number of all units that renderers use.
 inline constexpr int kFreeUnit = LODEN_MAX_UNITS;
 inline constexpr int kUnits = kFreeUnit + BtfTable::kTextures;
 
-// By unit: bytes of the texels that one texture instruction reads there.
+// For each texture unit, the bytes of the texels that one texture instruction reads.
 class FetchBytes {
  public:
   explicit FetchBytes(const Material& material);
-  // Of a texture outside the material.
+  // Sets the bytes of a unit whose texture is not the material's.
   void setFree(int unit, int texel_bytes, int texels) { bytes_[unit] = float(texel_bytes * texels); }
   const float* data() const { return bytes_; }
 
@@ -33,48 +33,51 @@ class FetchBytes {
   float bytes_[kUnits] = {};
 };
 
-// One way to draw, with a material system of its own so that its bytes can be read off.
+// One way to draw a tile. It has a material system of its own, which tells how many bytes it takes.
 struct TileRenderer {
   std::string name, setting;
   std::unique_ptr<runtime::MaterialSystem> materials;
   runtime::MaterialId id;
   FetchBytes fetch_bytes;
-  // Of the fragment shader; SUM_LIGHTS(value of wi) or SHOW(rgb) ends it.
+  // Body of the fragment shader's main function, which ends with SUM_LIGHTS(value of wi) or SHOW(rgb).
   std::string main;
-  std::vector<std::string> defines;  // beside the variant's
-  bool uses_material = true;         // its bytes count
-  uint64_t extra_bytes = 0;          // of textures and meshes outside the system
-  // What else it needs before its draw; null: nothing.
+  std::vector<std::string> defines;  // further ones than those of the material's variant
+  bool uses_material = true;         // whether bytes() count the material's
+  uint64_t extra_bytes = 0;          // of textures and meshes that the material system does not hold
+  // Called before each draw; may be null.
   std::function<void(const runtime::GlProgram&)> prepare;
-  // Instead of a triangle that fills the picture; empty and null: that.
+  // Vertex text, and function that draws; if they are empty and null, a triangle that fills the picture is
+  // drawn.
   std::string vertex;
   std::function<void(const PlaneView&)> draw;
 
   uint64_t bytes() const;
 };
 
-// With the material on the GPU, all of it.
+// A renderer whose material is whole on the GPU, without `main`.
 TileRenderer loadRenderer(const runtime::Device& device, const std::string& name, const std::string& setting,
                           const Material& material, Lookup lookup);
-// The equation itself, at what the lookup finds.
+// Draws by Loden's equation, with the given lookup.
 TileRenderer lodenRenderer(const runtime::Device& device, const std::string& name, const std::string& setting,
                            const Material& material, Lookup lookup);
 
-// Without and with counted fetches.
+// The programs that draw with a renderer; `counting` counts fetches too.
 struct RendererPrograms {
   runtime::GlProgram plain, counting;
 };
-// A picture's lambda is the same everywhere, as it nearly is over one object of a scene; a renderer then
-// draws with a program that leaves out what is seen in none of `views`.
+// Compiles programs that leave out what is seen in none of `views`. Lambda is the same all over such a
+// picture, as it nearly is over one object of a scene.
 RendererPrograms compileRenderer(const FullScreen& screen, const TileRenderer& renderer,
                                  std::span<const PlaneView> views, int lights);
-// With a program of it. Alpha of a counting one is texture instructions, or the bytes that they read.
+// Draws with one of the renderer's programs. If it is the counting one, alpha is the number of texture
+// instructions, or of the bytes that these read.
 enum class Counted { kFetches, kBytes };
 void drawRenderer(const FullScreen& screen, const TileRenderer& renderer, const runtime::GlProgram& program,
                   const PlaneView& view, Counted counted = Counted::kFetches);
 
-// Where `uv`, a place of the picture, is declared: plane_point() and towards_eye() of plane_view.h. Every
-// fragment text has it; a vertex text that wants it begins with it.
+// GLSL text of plane_point() and towards_eye(), which are onPlane and towardsEye of plane_view.h at `uv`, a
+// place of the picture that the text before it declares. Fragment texts have it without asking; a vertex text
+// that needs it begins with it.
 extern const char kPlaneView[];
 
 }  // namespace loden::bench

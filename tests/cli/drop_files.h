@@ -8,8 +8,8 @@
 
 namespace loden::test {
 
-// Onto the middle of the first window of the display that takes drops; empty, or what went wrong. Returns
-// when the window says that it has the files.
+// Drops the files onto the middle of the display's first window that takes drops, and waits until the window
+// says that it has them, for `most` at most. Returns an empty text, or what went wrong.
 std::string dropFiles(const char* display, const std::vector<std::filesystem::path>& files,
                       std::chrono::seconds most);
 

@@ -1,4 +1,4 @@
-// Runs a tool as a user would: own process, streams captured, exit code.
+// Runs a tool as a user does: in a process of its own, whose output and exit code are captured.
 #pragma once
 
 #include <fcntl.h>
@@ -20,7 +20,7 @@ extern char** environ;
 namespace loden::test {
 
 struct ToolRun {
-  int exit_code = -1;  // 128 + signal if one ended it
+  int exit_code = -1;  // 128 + the signal, if a signal ended the process
   std::string out, err;
 };
 
@@ -33,7 +33,7 @@ inline void writeText(const std::filesystem::path& path, const std::string& text
   std::ofstream(path, std::ios::binary) << text;
 }
 
-// A folder of its own, removed at the end.
+// A temporary folder that the destructor removes.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -53,7 +53,8 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-// `interrupt_at`, if not empty: sends `signal` as soon as this path exists, or after a minute.
+// Runs the tool to its end. If interrupt_at is not empty, sends `signal` as soon as a file or folder of that
+// path exists, or after a minute.
 inline ToolRun runTool(const std::string& tool, const std::vector<std::string>& arguments,
                        const std::filesystem::path& interrupt_at = {}, int signal = SIGINT) {
   const ScratchFolder scratch;

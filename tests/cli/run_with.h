@@ -1,4 +1,4 @@
-// Runs the tool where calls on files fail, or until it is killed.
+// Runs `loden` where calls on files fail, or until it is killed.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ inline std::string quoted(const std::string& word) {
   return std::string("'").append(word).append("'");
 }
 
-// The tool from a shell, behind `before`: settings and limits.
+// Runs `loden` from a shell, after the command `before`, which sets variables and limits.
 inline ToolRun lodenFromShell(const std::string& before, const std::vector<std::string>& arguments) {
   std::string command = before + " " + quoted(LODEN_TOOL);
   for (const std::string& argument : arguments) command.append(" ").append(quoted(argument));
@@ -30,19 +30,20 @@ inline std::vector<std::string> namesIn(const std::filesystem::path& folder) {
   return names;
 }
 
-// And their bytes.
+// The bytes of each file below a folder, by its name relative to the folder.
 inline std::map<std::string, std::string> filesIn(const std::filesystem::path& folder) {
   std::map<std::string, std::string> files;
   for (const std::string& name : namesIn(folder)) files[name] = fileText(folder / name);
   return files;
 }
 
-// One that a writer leaves where it is killed, and the next writer of the same file removes.
+// Whether the name is that of a temporary file. A writer that is killed leaves one behind; the next writer of
+// the same file removes it.
 inline bool isTemporary(const std::string& name) {
   return name.find(".loden-") != std::string::npos || name.find("tmp") != std::string::npos;
 }
 
-// A bake of a second at most; cooks of it take as long.
+// Arguments of a bake that takes a second at most; so do cooks of what it bakes.
 inline std::vector<std::string> smallBake(const std::filesystem::path& folder,
                                           const std::vector<std::string>& more = {}) {
   std::vector<std::string> arguments{"bake", "builtin:button", "-o",  folder.string(), "--size",

@@ -15,7 +15,7 @@
 
 namespace loden::test {
 
-// Device with a log; the test fails at the end if the driver said anything of medium severity or above.
+// A test with a device and its log. The test fails if the driver logs a message of medium severity or above.
 class GlTest : public ::testing::Test {
  protected:
   void SetUp() override;
@@ -25,15 +25,15 @@ class GlTest : public ::testing::Test {
   std::unique_ptr<runtime::MaterialSystem> makeMaterials(const runtime::MaterialSystemOptions& options = {});
   runtime::MaterialId load(runtime::MaterialSystem& system, const Material& material);
 
-  std::vector<Issue> messages;  // all, of every device made here
-  int tolerated = 0;            // warnings and errors that the test expects
+  std::vector<Issue> messages;  // those of all devices that makeDevice has made
+  int tolerated = 0;            // how many warnings and errors the test expects
   std::unique_ptr<runtime::Device> device;
 };
 
 std::shared_ptr<const ByteSource> assetSource(const Material& material);
 
-// A picture of one material through the shader library alone: x runs over the target, lambda, light and view
-// are fixed; linear RGB, [height][width]. GL state is left changed.
+// A picture of one material, drawn by the shader library alone; linear RGB, [height][width]. x runs over the
+// target; lambda, light and view are fixed. GL state is left changed.
 std::vector<glm::vec4> drawMaterial(runtime::MaterialSystem& system, runtime::MaterialId id, float lambda,
                                     glm::ivec2 size = {32, 32});
 

@@ -1,5 +1,5 @@
-// Assets with one fault each: for every issue that an asset can have, inputs that provoke it and nothing
-// else.
+// Assets with one fault each: for every issue that an asset can have, inputs that provoke it and no other
+// issue.
 #pragma once
 
 #include <cstddef>
@@ -15,29 +15,29 @@ namespace loden::test {
 
 using Bytes = std::vector<std::byte>;
 
-// A chunk before it is packed.
+// A chunk before it is compressed.
 struct RawChunk {
   uint32_t type = 0;
   Bytes raw;
   uint32_t flags = asset::kFlagCritical;
 };
 
-// The chunks of a material as the writer would lay them out, without its checks.
+// The chunks of a material in the writer's layout, without the writer's checks.
 std::vector<RawChunk> rawChunks(const Material& material);
 
-// A file of the chunks. `forge` changes the table before its checksum is computed, and no byte of a chunk;
-// `stored_only` compresses nothing.
+// A file of these chunks. `forge` may change the table before its checksum is computed; the bytes of the
+// chunks stay. With stored_only no chunk is compressed.
 Bytes assemble(const std::vector<RawChunk>& raw,
                const std::function<void(std::vector<ChunkInfo>&)>& forge = {}, bool stored_only = false);
 
 struct AssetFault {
   int id = 0;        // of the issue
-  std::string what;  // for messages: which of the inputs of this issue
+  std::string what;  // names this input among those of the issue, for messages
   Bytes file;
-  std::optional<Material> material;  // where the writer has to refuse it, too
+  std::optional<Material> material;  // with the same fault, if the writer has to refuse that too
 };
 
-// At least one for every issue of an asset, in no order.
+// Faults in no particular order, at least one for every issue of an asset.
 std::vector<AssetFault> assetFaults();
 
 }  // namespace loden::test

@@ -1,8 +1,9 @@
-// Writes Bonn .btf files for tests, from the formats' description: what follows what, in which order the
-// numbers of a matrix run, and what the fields mean. It shares nothing with the reader that it tests.
+// Writes Bonn .btf files for tests. It is written from the description of the formats (the order of the
+// fields and of the numbers in a matrix, and what fields mean), and shares no code with the reader that it
+// tests.
 //
-// A file is: the signature; metadata; per view theta, phi, the number of lights and their angles; width and
-// height; where the signature ends in R, rotations; then the kind's own data. Images begin with their top
+// A file has the signature; metadata; for each view theta, phi, the number of lights and their angles; width
+// and height; rotations if the signature ends in R; then the data of its kind. Images begin with their top
 // row, which is y = 1.
 #pragma once
 
@@ -30,7 +31,7 @@ struct MemoryBtf {
   }
 };
 
-// What writers choose. The defaults are those of UBO2014 files where these say something.
+// Choices of a writer. The defaults are those of UBO2014 files, as far as these have such a field.
 struct BtfFormat {
   uint8_t scalar_size = 2;                  // half, single or double numbers
   bool images_stacked = false;              // the left matrix runs over texels, the right one over directions
@@ -45,15 +46,16 @@ struct BtfFormat {
   uint8_t compression = 0;         // BDI: 0 full, 1 bzip, 2 sparse
   uint32_t lines_per_chunk = 4;    // BDI
   bool last_chunk_filled = false;  // BDI: chunks are all of one size
-  std::vector<size_t> missing;     // BDI: texels that the mask leaves out
+  std::vector<size_t> missing;     // BDI: texels that the mask marks as missing
 };
 
 class BtfWriter {
  public:
   explicit BtfWriter(const MemoryBtf& btf, BtfFormat format = {}) : btf_(btf), format_(std::move(format)) {}
 
-  // Three factorizations, one a channel, each with its own number of components. The number in front of the
-  // colour model is the largest of these, and no number of channels.
+  // A DFMF file: three factorizations, one for each channel, each with its own number of components. The
+  // number in front of the colour model is the largest number of components; it is not the number of
+  // channels.
   std::string dfmf() {
     begin("!DFMF08FCR");
     uint32_t largest = 0;
@@ -67,9 +69,11 @@ class BtfWriter {
     return bytes_;
   }
 
-  // One factorization; its rows run over channels (fastest) and lights and views, or channels, x and y.
+  // An FMF file: one factorization. Its rows run over channels (fastest), lights and views; with
+  // images_stacked over channels, x and y.
   std::string fmf() { return fmfBehind("!FMF06FC"); }
-  // The same with the extra header: version, dynamic range (1: logarithms), size and data of a height map.
+  // An FMF12 file: FMF with a further header, which has a version, the dynamic range (1: logarithms), and the
+  // size and data of a height map.
   std::string fmf12() {
     begin("!FMF12FCER");
     u8(format_.header_version);
@@ -82,8 +86,9 @@ class BtfWriter {
     return fmfBehind(nullptr);
   }
 
-  // Per view: scalar size, components, rows of the weights, rows of the basis; eigenvalues, mean, basis,
-  // weights. The basis' rows run over channels (fastest) and lights, or channels, x and y.
+  // A PVF file. Each view has scalar size, components, rows of the weights, rows of the basis; eigenvalues,
+  // mean, basis, weights. The rows of the basis run over channels (fastest) and lights; with images_stacked
+  // over channels, x and y.
   std::string pvf() {
     const auto lights = static_cast<uint32_t>(btf_.lights.size()), texels = u32Of(btf_.texels());
     const uint32_t components = fullRank(), rows = format_.images_stacked ? texels : lights,
@@ -113,7 +118,8 @@ class BtfWriter {
     return bytes_;
   }
 
-  // Scanlines a chunk, compression, mask, rotations, and chunks of whole scanlines with their sizes in bytes.
+  // A BDI file: scanlines per chunk, compression, mask, rotations, and chunks of whole scanlines, each after
+  // its size in bytes.
   std::string bdi() {
     begin("!BDIF06R2!");
     u32(format_.lines_per_chunk), u8(format_.compression);
@@ -136,7 +142,7 @@ class BtfWriter {
   }
 
  private:
-  // A texel counted from the top row; a pair counted view by view, lights fastest.
+  // The value of a texel, counted from the top row, for a pair, counted view by view with lights fastest.
   glm::dvec3 value(size_t pair, size_t texel) const {
     const size_t width = static_cast<size_t>(btf_.width), row = texel / width;
     const size_t from_below = (static_cast<size_t>(btf_.height) - 1 - row) * width + texel % width;
@@ -158,7 +164,7 @@ class BtfWriter {
   }
 
   static uint32_t u32Of(size_t value) { return static_cast<uint32_t>(value); }
-  // Enough components for any data: those of the right matrix' rows.
+  // The number of rows of the right matrix: with so many components any data can be represented.
   uint32_t fullRank() const {
     if (!format_.images_stacked) return u32Of(btf_.texels());
     return u32Of(std::max(btf_.pairs(), btf_.lights.samples.size()));
@@ -192,7 +198,7 @@ class BtfWriter {
   void metadata() {
     const std::string xml = "<measurement/>";
     const size_t begin = bytes_.size();
-    u32(0);  // its size, counted from here; known at the end
+    u32(0);  // the size of the metadata from here on, which is written below
     u32(format_.metadata_version);
     for (const char* text : {"dome", "camera", "lamp"}) {
       std::string field = text;
@@ -247,9 +253,9 @@ class BtfWriter {
       for (uint32_t k = 0; k < components; ++k) number(value(row, k));
   }
 
-  // Scalar size, components, rows, columns, singular values, U, and V with the singular values in it. Here U
-  // is the matrix itself and V the identity, so that nothing but the scalar size loses; columns of U beyond
-  // those of the matrix meet zeros.
+  // A factorization: scalar size, components, rows, columns, singular values, U, and V times the singular
+  // values. Here U is the matrix itself and V the identity, so that only the rounding to the scalar size
+  // loses precision. Columns of U beyond those of the matrix are multiplied by zeros.
   template <class Value>
   void factorization(size_t rows, size_t columns, uint32_t components, const Value& value,
                      bool may_turn = true) {

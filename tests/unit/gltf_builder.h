@@ -1,4 +1,4 @@
-// Small glTF scenes for tests: accessors of numbers, pictures, materials and nodes, written to a folder.
+// Makes small glTF scenes for tests, of accessors, textures, materials and nodes, in a temporary folder.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace loden::test {
 
 using Json = nlohmann::json;
 
-// What a test adds to `json` stands beside what the builder makes. The folder goes with the builder.
+// Collects a scene. A test may add to `json`, beside what the builder puts there. The destructor removes the
+// folder.
 class GltfBuilder {
  public:
   GltfBuilder();
@@ -23,28 +24,30 @@ class GltfBuilder {
   GltfBuilder& operator=(const GltfBuilder&) = delete;
 
   Json json;
-  std::string bytes;  // of the first buffer
+  std::string bytes;  // content of the first buffer
   Json more_buffers = Json::array();
 
-  // Index of a buffer view of these bytes.
+  // Adds a buffer view of these bytes, and returns its index.
   int view(const std::string& content);
-  // Index of an accessor; `type` as in the file, such as "VEC3". Numbers are stored one after the other.
+  // Add an accessor, and return its index. `type` is glTF's, such as "VEC3". Numbers are stored without gaps.
   int floats(const std::vector<float>& values, const std::string& type);
   int bytesOf(const std::vector<uint8_t>& values, const std::string& type, bool normalized);
   int shorts(const std::vector<uint16_t>& values, const std::string& type);
   int accessor(int view, int component_type, size_t count, const std::string& type);
 
-  // Index of a texture of a PNG; codes by rows from the top. `sampler` as in the file, or null.
+  // Adds a texture, as a PNG, and returns its index. Codes are in rows from the top. `sampler` is glTF's, or
+  // null.
   int texture(glm::ivec2 size, const std::vector<glm::u8vec4>& codes, const Json& sampler = {});
   int material(const Json& material);
-  // Index of a mesh of the primitive. The others: of a square of side 2 in the plane z = 0, seen from +z,
-  // with texture coordinates from 0 at the top left to 1; more attributes stand beside its own.
+  // Adds a mesh of one primitive, and returns its index.
   int mesh(const Json& primitive);
+  // The same for a square of side 2 in the plane z = 0, seen from +z, with texture coordinates from 0 at the
+  // top left to 1. squareAttributes() are its attributes; `attributes` are further ones.
   int square(int material, const Json& attributes = Json::object());
   Json squareAttributes();
-  int node(const Json& node);  // of the scene
+  int node(const Json& node);  // adds a root node of the scene
 
-  // Writes all and loads it.
+  // Writes the scene and loads it.
   Result<runtime::Scene> load();
   std::filesystem::path write();
   std::filesystem::path folder() const { return folder_; }
@@ -53,7 +56,7 @@ class GltfBuilder {
   std::filesystem::path folder_;
 };
 
-// A material that shows its texture as it is.
+// glTF's JSON of a material that shows its texture unlit.
 Json unlit(int texture);
 
 }  // namespace loden::test

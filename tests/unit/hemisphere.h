@@ -7,7 +7,8 @@
 
 namespace loden::test {
 
-// Sum over the hemisphere of visit(w) dw / pi, by `rows` rows of equal solid angle.
+// The integral of visit(w) dw / pi over the hemisphere, by the midpoint rule on `rows` rows of equal solid
+// angle.
 template <class Visit>
 auto hemisphereIntegral(const Visit& visit, int rows = 200) {
   auto sum = 0.0 * visit(glm::dvec3(0, 0, 1));

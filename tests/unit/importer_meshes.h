@@ -15,7 +15,7 @@
 
 namespace loden::importer::testing {
 
-// A folder that goes away with the test.
+// A temporary folder that the destructor removes.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -33,7 +33,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-// An n x n grid of two triangles per cell, z = height(p), one reflectance everywhere.
+// A tile with z = height(p) and one reflectance everywhere, as an n x n grid of two triangles per cell.
 inline Tile heightFieldTile(int n, const std::function<double(glm::dvec2)>& height,
                             const LocalBrdf& brdf = {glm::vec3(1), 0, 1}) {
   Tile tile;
@@ -66,12 +66,13 @@ inline Tile flatTile(const LocalBrdf& brdf = {glm::vec3(1), 0, 1}) {
       2, [](glm::dvec2) { return 0.0; }, brdf);
 }
 
-// Grooves along y, `depth` deep.
+// A tile with two grooves along y that are `depth` deep.
 inline Tile groovedTile(double depth = 0.2) {
   return heightFieldTile(32, [depth](glm::dvec2 p) { return depth / 2 * (std::cos(4 * kPi * p.x) - 1); });
 }
 
-// OBJ text of an n x n quad grid: `position` and `uv` of the grid coordinate in [0,1]^2. uv may be empty.
+// OBJ text of an n x n grid of quads. `position` and `uv` are functions of the grid coordinate in [0,1]^2; uv
+// may be empty.
 inline std::string objGrid(int n, const std::function<glm::dvec3(glm::dvec2)>& position,
                            const std::function<glm::dvec2(glm::dvec2)>& uv) {
   std::ostringstream text;
@@ -94,7 +95,7 @@ inline std::string objGrid(int n, const std::function<glm::dvec3(glm::dvec2)>& p
   return text.str();
 }
 
-// A flat 2 x 2 m glTF tile of two triangles in the xz plane, as JSON to be changed before it is written.
+// glTF's JSON of a flat tile of 2 x 2 m, of two triangles in the xz plane. Tests change it and write it.
 inline nlohmann::ordered_json gltfTile() {
   const float data[] = {0, 0, 0, 2, 0, 0, 2, 0, -2, 0, 0, -2,  // positions; -z is the tile's +y
                         0, 1, 1, 1, 1, 0, 0, 0};               // texture coordinates, v down

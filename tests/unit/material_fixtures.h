@@ -16,12 +16,12 @@ Material lodMaterial();      // three nearest-layout bands, RGBA32F, one spare l
 Material fusedMaterial();    // flat band with ratio, reference band with mips, geometry image, 8 bit
 Material nearMaterial();     // near term of GGX maps, twice as fine as the side, shadow map, reference band
 
-// The same, with the reference band (three quads, a ratio and a spare layer) and the maps in two chunks each,
-// the latter with a shadow map.
+// fusedMaterial, with its reference band (of three quads, a ratio and a spare layer) stored in two chunks.
 Material splitFusedMaterial();
+// surfaceMaterial, with its maps and a shadow map stored in two chunks.
 Material splitSurfaceMaterial();
 
-// Every field and texel.
+// Expects that every field and texel of the two is the same.
 void expectSame(const Material& a, const Material& b);
 
 }  // namespace loden::test

@@ -1,11 +1,11 @@
-// Panoramas from formulas.
+// Makes panoramas from formulas.
 #pragma once
 
 #include "material/model/environment.h"
 
 namespace loden::test {
 
-// 2 height x height pixels; `radiance` of a direction, vec3.
+// A panorama of 2 height x height pixels; `radiance` is a function of the direction that returns a vec3.
 Panorama panoramaOf(int height, const auto& radiance) {
   Panorama panorama{2 * height, height, {}};
   for (int row = 0; row < height; ++row)

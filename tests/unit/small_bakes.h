@@ -1,4 +1,4 @@
-// Bakes that take a moment, for tests.
+// Small bakes, for tests, that take only a moment.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ inline BakeOptions smallBake(int size = 8) {
   return options;
 }
 
-// Relative name to bytes of every file.
+// The bytes of every file below a folder, by its name relative to the folder.
 inline std::map<std::string, std::string> contents(const std::filesystem::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {

@@ -42,7 +42,8 @@ class TriangleScene : public testing::Test {
                     {"bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR"},
                     {"bufferView": 3, "componentType": 5126, "count": 1, "type": "VEC3"}]})");
   }
-  // Positions, texture coordinates, the indices 0 1 2 7, and a point that is not finite.
+  // Content of the scene's buffer: positions, texture coordinates, the indices 0 1 2 7 (of which 7 is out of
+  // range), and a point that is not finite.
   static std::string bytes() {
     std::string bytes;
     const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };

@@ -1,4 +1,4 @@
-// A surface with known answers: a wave as a height field, and one that leans over until it overhangs.
+// Surfaces with known answers: a wave as a height field, and a wave that leans over until it overhangs.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,8 @@ namespace loden::test {
 
 inline constexpr double kTau = 2 * kPi;
 
-// P(p) of a wave of height h along x whose crests lean by `lean` (tile periods); overhangs for large lean.
+// The position at p of a wave along x. Its crests lean by `lean` tile periods; they overhang if that is
+// large.
 inline glm::dvec3 wavePoint(glm::dvec2 p, double height, double lean) {
   const double phase = kTau * 2 * p.x, crest = 0.5 + 0.5 * std::cos(phase);
   return {p.x + lean * (crest - 0.5), p.y, -height * (1 - crest)};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -161,8 +160,10 @@ void storeFloat(const FormatTraits& traits, std::byte* to, float value) {
 }
 
 size_t texelOffset(const Texture& texture, int mip, int x, int y, int z) {
-  assert(mip >= 0 && mip < texture.mips && z >= 0 && z < texture.depth);
-  assert(x >= 0 && x < texture.mipWidth(mip) && y >= 0 && y < texture.mipHeight(mip));
+#ifndef NDEBUG  // not in release builds: every fetch comes by here
+  LODEN_CHECK(mip >= 0 && mip < texture.mips && z >= 0 && z < texture.depth);
+  LODEN_CHECK(x >= 0 && x < texture.mipWidth(mip) && y >= 0 && y < texture.mipHeight(mip));
+#endif
   const size_t row = static_cast<size_t>(z) * texture.mipHeight(mip) + y;
   return texture.mipOffset(mip) + (row * texture.mipWidth(mip) + x) * texelBytes(texture.format);
 }
@@ -232,9 +233,9 @@ Texture Texture::make(TexelFormat format, TextureShape shape, int width, int hei
 }
 
 size_t Texture::mipOffset(int mip) const {
-  size_t offset = 0;
-  for (int m = 0; m < mip; ++m) offset += mipBytes(m);
-  return offset;
+  size_t texels = 0;
+  for (int m = 0; m < mip; ++m) texels += static_cast<size_t>(mipWidth(m)) * mipHeight(m);
+  return texels * depth * texelBytes(format);
 }
 
 size_t Texture::mipBytes(int mip) const {

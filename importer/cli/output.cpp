@@ -41,7 +41,8 @@ std::string issueText(const Issue& issue) {
 }
 
 int fail(const Issue& issue) {
-  const std::string where = issue.id == issue_id::kOption ? optionOfField(issue.where) : issue.where;
+  const bool option = issue.id == issue_id::kOption || issue.id == issue_id::kGoal;
+  const std::string where = option ? optionOfField(issue.where) : issue.where;
   std::fprintf(stderr, "loden: %s%s%s [%d]\n", where.c_str(), where.empty() ? "" : ": ", issue.text.c_str(),
                issue.id);
   return exitCodeOf(issue);

@@ -12,38 +12,38 @@ Issue missing(const BakedOutput& input, const char* what, const char* maps) {
           std::string("holds no ") + what + "; bake it with --maps " + maps};
 }
 
-// Refuses options that the mode would ignore. Names are the command line's.
+// Refuses options that the mode would ignore. Issues name fields of CookOptions; `components` are all three.
 Status checkOptions(const CookOptions& o) {
-  const auto refuse = [](const char* option, const char* why) -> Status {
-    return Issue{issue_id::kOption, Severity::kError, option, why};
+  const auto refuse = [](const char* field, const char* why) -> Status {
+    return Issue{issue_id::kOption, Severity::kError, field, why};
   };
   const bool goal = o.max_bytes > 0 || o.target_rmse > 0, chroma = o.cb_components > 0 || o.cr_components > 0;
-  const char* goal_option = o.max_bytes > 0 ? "--max-bytes" : "--target-rmse";
-  if (!(o.target_rmse >= 0)) return refuse("--target-rmse", "must not be negative");
-  if (goal && o.mode != Mode::kFused) return refuse(goal_option, "has a meaning with --mode fused only");
+  const char* goal_field = o.max_bytes > 0 ? "max_bytes" : "target_rmse";
+  if (!(o.target_rmse >= 0)) return refuse("target_rmse", "must not be negative");
+  if (goal && o.mode != Mode::kFused) return refuse(goal_field, "has a meaning in mode fused only");
   if (goal && (o.y_components > 0 || chroma || o.preset != Preset::kGame))
-    return refuse(goal_option, "chooses the components itself; give it without --components and --preset");
+    return refuse(goal_field, "chooses the components itself; give neither components nor a preset with it");
   if (o.mode == Mode::kSurface && (o.levels > 0 || o.y_components > 0 || chroma))
-    return refuse(o.levels > 0 ? "--levels" : "--components",
-                  "has no meaning with --mode surface, which has no bands");
+    return refuse(o.levels > 0 ? "levels" : "components",
+                  "has no meaning in mode surface, which has no bands");
   const bool near = o.mode == Mode::kFused && o.near == Near::kSurface;
   if (o.near == Near::kBand && o.mode != Mode::kFused)
-    return refuse("--near band", "has a meaning with --mode fused only");
+    return refuse("near", "has a meaning in mode fused only");
   if (o.visibility && !near && o.mode != Mode::kSurface)
-    return refuse("--visibility", "has a meaning with a near term only");
+    return refuse("visibility", "has a meaning with a near term only");
   if (near && chroma)
-    return refuse("--components", "has no CB and CR with a near term: its colour is the surface's own");
+    return refuse("components", "has no CB and CR with a near term: its colour is the surface's own");
   if (o.cb_components != o.cr_components)
-    return refuse("--components", "CB and CR must be equal: they share quads of the tables");
+    return refuse("components", "CB and CR must be equal: they share quads of the tables");
   if ((o.y_components + 3) / 4 + (o.cb_components + 1) / 2 > ShaderLimits::kMaxQuads)
     return refuse(
-        "--components",
+        "components",
         "gives more than 16 quads of components, which no shader reads: a quad holds 4 of Y, or 2 of "
         "CB and CR");
   if (o.mode == Mode::kLod && o.levels > ShaderLimits::kMaxBands)
-    return refuse("--levels", "is more than 8, which no shader reads: each is a band");
+    return refuse("levels", "is more than 8, which no shader reads: each is a band");
   if (o.mode == Mode::kFused && o.preset == Preset::kSeed)
-    return refuse("--preset seed", "reproduces the paper's level-of-detail material; add --mode lod");
+    return refuse("preset", "seed reproduces the paper's level-of-detail material, which needs mode lod");
   return {};
 }
 

@@ -18,7 +18,7 @@ Issue levelsIssue(const BtfSource& source, int levels) {
   return {issue_id::kOption, Severity::kError, source.name(),
           std::to_string(levels) + " levels need a side that is a multiple of " +
               std::to_string(1 << (levels - 1)) + ", not " + std::to_string(source.size().x) +
-              "; give --levels N"};
+              "; name fewer levels"};
 }
 
 // L_k = F_k - up(F_{k+1}), nearest up-sampling (LBTF eq. 3).
@@ -173,7 +173,7 @@ void bringIntoRange(Material& m, double largest, bool quiet) {
 Status checkLevels(int levels, int side) {
   const int most = fullMipCount(side, side);
   if (levels <= most) return {};
-  return Issue{issue_id::kOption, Severity::kError, "--levels",
+  return Issue{issue_id::kOption, Severity::kError, "levels",
                std::to_string(levels) + " are more than the " + std::to_string(most) + " that a side of " +
                    std::to_string(side) + " has"};
 }

@@ -65,11 +65,11 @@ std::vector<int> componentSteps(const Goal& goal) {
   return steps;
 }
 
-Issue unreachable(const std::string& goal, const TradePoint& nearest) {
+Issue unreachable(const char* field, double wanted, const TradePoint& nearest) {
   char text[200];
-  std::snprintf(text, sizeof text, "cannot be met: the nearest plan takes %llu bytes for an RMSE of %.4f",
-                static_cast<unsigned long long>(nearest.bytes), nearest.rmse_y);
-  return {issue_id::kGoal, Severity::kError, goal, text};
+  std::snprintf(text, sizeof text, "%g cannot be met: the nearest plan takes %llu bytes for an RMSE of %.4f",
+                wanted, static_cast<unsigned long long>(nearest.bytes), nearest.rmse_y);
+  return {issue_id::kGoal, Severity::kError, field, text};
 }
 
 class Search {
@@ -121,8 +121,9 @@ class Search {
       if (!finer) return finer.issue();
       return finish(*finer);
     }
-    return Issue{issue_id::kGoal, Severity::kError, "--max-bytes " + std::to_string(goal_.max_bytes),
-                 "is too little: the smallest fused asset of this input takes " +
+    return Issue{issue_id::kGoal, Severity::kError, "max_bytes",
+                 std::to_string(goal_.max_bytes) +
+                     " is too little: the smallest fused asset of this input takes " +
                      std::to_string(bytes(smallest())) + " bytes"};
   }
 
@@ -148,7 +149,7 @@ class Search {
       if (finer->rmse_y <= goal_.target_rmse) best = *finer;
     }
     if (best) return finish(*best);
-    if (nearest) return unreachable("--target-rmse " + std::to_string(goal_.target_rmse), *nearest);
+    if (nearest) return unreachable("target_rmse", goal_.target_rmse, *nearest);
     return leastError();  // nothing fits into max_bytes: its message says so
   }
 

@@ -40,9 +40,9 @@ class CroppedSource : public BtfSource {
 Result<std::unique_ptr<BtfSource>> croppedSource(std::unique_ptr<BtfSource> source, int side) {
   const glm::ivec2 size = source->size();
   if (side > std::min(size.x, size.y))
-    return Issue{issue_id::kOption, Severity::kError, "--crop " + std::to_string(side),
-                 "is more than " + source->name() + " has, " + std::to_string(size.x) + " x " +
-                     std::to_string(size.y) + " texels"};
+    return Issue{issue_id::kOption, Severity::kError, "crop",
+                 std::to_string(side) + " is more than " + source->name() + " has, " +
+                     std::to_string(size.x) + " x " + std::to_string(size.y) + " texels"};
   return std::unique_ptr<BtfSource>(std::make_unique<CroppedSource>(std::move(source), side));
 }
 

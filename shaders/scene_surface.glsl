@@ -26,9 +26,11 @@ LodenHit occludedHit(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   int taken = 0;
   do {
     below = float(taken + 1) / float(kSteps);
+    LODEN_COUNT(LODEN_UNIT_GEOMETRY, 1);
     if (1.0 - textureLod(loden_height, x + shift * below, 0.0).r <= below) break;
     above = below;
   } while (++taken < kSteps);
+  LODEN_COUNT(LODEN_UNIT_GEOMETRY, kBisections);
   for (int i = 0; i < kBisections; ++i) {
     float middle = 0.5 * (above + below);
     if (1.0 - textureLod(loden_height, x + shift * middle, 0.0).r <= middle)

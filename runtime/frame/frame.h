@@ -72,7 +72,7 @@ struct FrameSettings {
   // fewer steps. A material that has a shadow map reads it unless this is kNone.
   Visibility visibility = Visibility::kDefault;
   Lookup lookup = Lookup::kDefault;  // the VDIM look-up of the near term: kFast or kDefault
-  HeatMap heat = HeatMap::kNone;     // ignored with parallax_depth
+  HeatMap heat = HeatMap::kNone;     // if not kNone, parallax_depth has no effect
   ToneCurve tone = ToneCurve::kFilmic;
   float exposure = 1;
   // What glTF's own materials reflect of the environment; all their environment light then comes from this

@@ -83,11 +83,12 @@ Status FramePrograms::useForShading(int object, float lambda, PassProgram& curre
     if (status) bindBaseMaterial(object, current);
     return status;
   }
+  const bool heat = settings_.heat != HeatMap::kNone;
   if (settings_.parallax_occlusion)
-    return use("scene_forward_march", id, *marchVariant(materials_.variant(id)), current);
+    return use(heat ? "scene_heat_march" : "scene_forward_march", id, *marchVariant(materials_.variant(id)),
+               current);
   const bool curved = scene_.objects[size_t(object)].curved && hasRelief(materials_.variant(id));
-  if (settings_.heat != HeatMap::kNone)
-    return use(curved ? "scene_heat_curved" : "scene_heat", id, variantOf(id), current);
+  if (heat) return use(curved ? "scene_heat_curved" : "scene_heat", id, variantOf(id), current);
   if (movesDepth(id))
     return use(curved ? "scene_forward_depth_curved" : "scene_forward_depth", id, variantOf(id), current);
   const MaterialVariant variant = farVariantOf(id, lambda);

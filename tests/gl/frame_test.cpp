@@ -177,6 +177,14 @@ TEST_F(FrameTest, ParallaxOcclusionFindsWhatTheLookupFinds) {
   EXPECT_GT(without, 0.005) << "parallax shows here at all";
   EXPECT_LT(distanceOf(marched, found), 0.1 * without);
   settings.parallax_occlusion = true;
+  settings.heat = HeatMap::kFetches;
+  const auto march_heat = pictureWith(**renderer, *materials, view, settings);
+  settings.parallax_occlusion = false;
+  EXPECT_GT(distanceOf(march_heat, marched), 0.1) << "a heat map, not the look";
+  EXPECT_GT(distanceOf(march_heat, pictureWith(**renderer, *materials, view, settings)), 0.01)
+      << "of the march's fetches, not of the lookup's";
+  settings.parallax_occlusion = true;
+  settings.heat = HeatMap::kNone;
   EXPECT_EQ(pictureWith(**flat, *flat_materials, view, settings), base)
       << "without heights that the shader may read: glTF's own material";
 }

@@ -54,27 +54,6 @@ Picture mosaic(const std::vector<Value>& values, int side, int columns, const To
   return picture;
 }
 
-using NamedTextures = std::vector<std::pair<std::string, const Texture*>>;
-
-NamedTextures texturesOf(const Material& material) {
-  NamedTextures all;
-  for (size_t b = 0; b < material.bands.size(); ++b) {
-    all.emplace_back("band" + std::to_string(b) + ".weights", &material.bands[b].weights);
-    all.emplace_back("band" + std::to_string(b) + ".table", &material.bands[b].table);
-  }
-  if (!material.geometry.empty()) all.emplace_back("geometry", &material.geometry.texels);
-  if (material.stored_vdim) {
-    all.emplace_back("vdim.reference", &material.stored_vdim->reference);
-    all.emplace_back("vdim.packed", &material.stored_vdim->packed);
-  }
-  if (material.surface) {
-    for (const SurfaceMapRow& row : kSurfaceMapRows)
-      if (const Texture& map = (*material.surface).*row.texture; !map.empty())
-        all.emplace_back(row.name, &map);
-  }
-  return all;
-}
-
 class ExtractCommand : public Command {
  public:
   std::string_view name() const override { return "extract"; }
@@ -182,11 +161,13 @@ class ExtractCommand : public Command {
       return map_ == "packed.eigen" ? packed->eigen : packed->weights;
     }
     std::string known;
-    for (const auto& [name, texture] : texturesOf(*material)) {
-      report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
-      if (name == map_) return pictureFromTexture(*texture);
-      known += (known.empty() ? "" : ", ") + name;
-    }
+    report_ = {{"input", input_.string()}, {"kind", "map"}, {"map", map_}};
+    for (const MaterialPart& part : materialParts(*material))
+      for (const auto& map : mapsOf(*material, part)) {
+        const std::string name = mapName(part, map.name);
+        if (name == map_) return pictureFromTexture(*map.texture);
+        known += (known.empty() ? "" : ", ") + name;
+      }
     return Issue{issue_id::kOption, Severity::kError, "--map " + map_,
                  "this asset has no such map; it has " + known};
   }

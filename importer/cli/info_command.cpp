@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "importer/base/file_read.h"
 #include "importer/cli/input_kind.h"
@@ -17,11 +18,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A map or a band as a line of the report.
-struct Part {
+// A line of the report: a map, or what the runtime makes or keeps beside the maps.
+struct Row {
   std::string name, format, extent;
   uint64_t raw_bytes = 0, stored_bytes = 0, gpu_bytes = 0;
-  double lambda_first = 0;  // levels from here on need it; bands of lower lambda come later in the file
 };
 
 std::string extentOf(const Texture& t) {
@@ -29,65 +29,59 @@ std::string extentOf(const Texture& t) {
          (t.mips > 1 ? formatted(" %d mips", t.mips) : "");
 }
 
-Part partOf(const std::string& name, const Texture& texture, uint64_t stored_bytes, double lambda_first = 0) {
-  const uint64_t bytes = textureBytes(texture);
-  return {name, texelFormatName(texture.format), extentOf(texture), bytes, stored_bytes, bytes, lambda_first};
-}
-
-// No part of the file: the runtime builds a first and a full atlas, with a packed copy of the geometry.
-Part atlasPart(const Material& material) {
+// The runtime builds a first and a full atlas, with a packed copy of the geometry.
+Row atlasRow(const Material& material) {
   const VdimAtlasSize size = material.atlas;
   return {"vdim atlas",
           "R8_UNORM",
           formatted("%dx%dx%d", size.texels, size.texels, size.directions * size.directions),
           0,
           0,
-          residentAtlasBytes(material.geometry, size),
-          0};
+          residentAtlasBytes(material.geometry, size)};
 }
 
-// What the runtime keeps beside the whole: no bytes of its own in the file, but a chunk of its own.
-Part leadingPart(const std::string& name, const std::string& extent, uint64_t stored_bytes,
-                 uint64_t gpu_bytes, double lambda_first = 0) {
-  return {name, "", extent, 0, stored_bytes, gpu_bytes, lambda_first};
-}
-
-std::vector<Part> partsOf(const AssetFile& file) {
+// The leading part, which the runtime keeps beside the whole; its raw bytes are among those of the maps.
+std::optional<Row> leadingRow(const AssetFile& file, const MaterialPart& part) {
   const Material& material = file.skeleton();
-  std::vector<Part> parts;
-  if (material.geometry.texels.width > 0) {
-    parts.push_back(partOf("geometry", material.geometry.texels, file.geometryStoredBytes()));
-    parts.back().gpu_bytes = 0;
-    parts.push_back(atlasPart(material));
+  const uint64_t stored_bytes = file.storedBytes(part, Share::kLead);
+  if (part.kind == PartKind::kBand) {
+    const Band& band = material.bands[size_t(part.band)];
+    if (band.lead_quads == 0) return {};
+    return Row{mapName(part, "lead"),
+               "",
+               formatted("%d of %d quads", band.lead_quads, band.quads()),
+               0,
+               stored_bytes,
+               gpuBytes(leadOf(band))};
   }
-  for (size_t b = material.bands.size(); b-- > 0;) {
-    const Band& band = material.bands[b];
-    const std::string name = "band " + std::to_string(b);
-    const double lambda = band.lambda_first;
-    parts.push_back(
-        partOf(name + " weights", band.weights, file.bandStoredBytes(static_cast<int>(b)), lambda));
-    parts.push_back(partOf(name + " table", band.table, 0, lambda));
-    parts.back().gpu_bytes += environmentTableBytes(band);  // made of the table by the runtime
-    if (band.lead_quads > 0)
-      parts.push_back(leadingPart(name + " lead", formatted("%d of %d quads", band.lead_quads, band.quads()),
-                                  file.bandStoredBytes(static_cast<int>(b), Share::kLead),
-                                  gpuBytes(leadOf(band)), lambda));
+  if (part.kind != PartKind::kSurface || material.surface->tail_mip == 0) return {};
+  return Row{mapName(part, "tail"),
+             "",
+             formatted("mips from %d on", material.surface->tail_mip),
+             0,
+             stored_bytes,
+             gpuBytes(leadOf(*material.surface))};
+}
+
+// The bytes on disk of a part stand at its first map.
+std::vector<Row> rowsOf(const AssetFile& file) {
+  const Material& material = file.skeleton();
+  std::vector<Row> rows;
+  for (const MaterialPart& part : materialParts(material)) {
+    uint64_t stored_bytes = file.storedBytes(part);
+    for (const auto& map : mapsOf(material, part)) {
+      const Texture& texture = *map.texture;
+      const uint64_t bytes = textureBytes(texture);
+      rows.push_back({mapName(part, map.name), texelFormatName(texture.format), extentOf(texture), bytes,
+                      std::exchange(stored_bytes, 0), part.kind == PartKind::kGeometry ? 0 : bytes});
+    }
+    // What the runtime makes of the maps.
+    if (part.kind == PartKind::kBand)
+      rows.back().gpu_bytes += environmentTableBytes(material.bands[size_t(part.band)]);
+    if (part.kind == PartKind::kGeometry) rows.push_back(atlasRow(material));
+    if (auto lead = leadingRow(file, part)) rows.push_back(*std::move(lead));
   }
-  if (material.stored_vdim) {
-    parts.push_back(partOf("vdim reference", material.stored_vdim->reference, file.storedVdimStoredBytes()));
-    parts.push_back(partOf("vdim packed", material.stored_vdim->packed, 0));
-  }
-  if (material.surface) {
-    for (const SurfaceMapRow& row : kSurfaceMapRows)
-      if (const Texture& map = (*material.surface).*row.texture; map.width > 0)
-        parts.push_back(partOf(std::string("surface ") + row.name, map,
-                               &row == &kSurfaceMapRows.front() ? file.surfaceStoredBytes() : 0));
-    if (material.surface->tail_mip > 0)
-      parts.push_back(leadingPart("surface tail", formatted("mips from %d on", material.surface->tail_mip),
-                                  file.surfaceStoredBytes(Share::kLead),
-                                  gpuBytes(leadOf(*material.surface))));
-  }
-  return parts;
+  return rows;
 }
 
 Json bandJson(const Band& band, size_t index) {
@@ -115,10 +109,10 @@ struct LevelBytes {
   uint64_t raw = 0, gpu = 0;
 };
 
-std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vector<Part>& parts) {
+std::vector<LevelBytes> cumulativeBytes(const Material& material, const std::vector<Row>& rows) {
   uint64_t shared_raw = 0, shared_gpu = 0;
-  for (const Part& part : parts)
-    if (!part.name.starts_with("band")) shared_raw += part.raw_bytes, shared_gpu += part.gpu_bytes;
+  for (const Row& row : rows)
+    if (!row.name.starts_with("band")) shared_raw += row.raw_bytes, shared_gpu += row.gpu_bytes;
   std::vector<LevelBytes> levels;
   for (int level = static_cast<int>(material.lambda_max); level >= 0; --level) {
     LevelBytes bytes{level, shared_raw, shared_gpu};
@@ -264,20 +258,20 @@ class InfoCommand : public Command {
                     {"chroma", m.mean.chroma == MeanChroma::kRatio ? "ratio" : "constant"}};
     for (size_t b = 0; b < m.bands.size(); ++b) json["bands"].push_back(bandJson(m.bands[b], b));
     uint64_t raw = 0, gpu = 0;
-    const auto parts = partsOf(file);
-    for (const Part& part : parts) {
-      json["maps"].push_back({{"name", part.name},
-                              {"format", part.format},
-                              {"extent", part.extent},
-                              {"raw_bytes", part.raw_bytes},
-                              {"stored_bytes", part.stored_bytes},
-                              {"gpu_bytes", part.gpu_bytes}});
-      raw += part.raw_bytes;
-      gpu += part.gpu_bytes;
+    const std::vector<Row> rows = rowsOf(file);
+    for (const Row& row : rows) {
+      json["maps"].push_back({{"name", row.name},
+                              {"format", row.format},
+                              {"extent", row.extent},
+                              {"raw_bytes", row.raw_bytes},
+                              {"stored_bytes", row.stored_bytes},
+                              {"gpu_bytes", row.gpu_bytes}});
+      raw += row.raw_bytes;
+      gpu += row.gpu_bytes;
     }
     json["raw_bytes"] = raw;
     json["gpu_bytes"] = gpu;
-    for (const LevelBytes& level : cumulativeBytes(m, parts))
+    for (const LevelBytes& level : cumulativeBytes(m, rows))
       json["levels"].push_back({{"level", level.level}, {"raw_bytes", level.raw}, {"gpu_bytes", level.gpu}});
     for (const ChunkInfo& chunk : file.chunks())
       json["chunks"].push_back({{"type", chunkName(chunk.type)},
@@ -310,20 +304,20 @@ class InfoCommand : public Command {
     text += formatted("mean: ka %.4f, kd %.4f, ks %.4f, alpha %.2f, Cb %.4f, Cr %.4f%s\n", m.mean.ka,
                       m.mean.kd, m.mean.ks, m.mean.alpha, m.mean.cb, m.mean.cr,
                       m.mean.chroma == MeanChroma::kRatio ? " (of Y)" : "");
-    const auto parts = partsOf(file);
+    const std::vector<Row> rows = rowsOf(file);
     uint64_t raw = 0, gpu = 0;
     text += formatted("\n%-18s %-20s %-22s %12s %12s %12s\n", "map", "format", "extent", "raw", "on disk",
                       "on the GPU");
-    for (const Part& part : parts) {
-      text += formatted("%-18s %-20s %-22s %12s %12s %12s\n", part.name.c_str(), part.format.c_str(),
-                        part.extent.c_str(), withThousands(part.raw_bytes).c_str(),
-                        part.stored_bytes ? withThousands(part.stored_bytes).c_str() : "",
-                        withThousands(part.gpu_bytes).c_str());
-      raw += part.raw_bytes, gpu += part.gpu_bytes;
+    for (const Row& row : rows) {
+      text += formatted("%-18s %-20s %-22s %12s %12s %12s\n", row.name.c_str(), row.format.c_str(),
+                        row.extent.c_str(), withThousands(row.raw_bytes).c_str(),
+                        row.stored_bytes ? withThousands(row.stored_bytes).c_str() : "",
+                        withThousands(row.gpu_bytes).c_str());
+      raw += row.raw_bytes, gpu += row.gpu_bytes;
     }
     text += formatted("%-18s %-20s %-22s %12s %12s %12s\n\n", "total", "", "", withThousands(raw).c_str(), "",
                       withThousands(gpu).c_str());
-    for (const LevelBytes& level : cumulativeBytes(m, parts))
+    for (const LevelBytes& level : cumulativeBytes(m, rows))
       text += formatted("level %d and coarser: %s bytes raw, %s on the GPU\n", level.level,
                         withThousands(level.raw).c_str(), withThousands(level.gpu).c_str());
     return text + cookedText(notes);

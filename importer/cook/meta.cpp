@@ -8,6 +8,7 @@
 #include "importer/fit/lookup_error.h"
 #include "material/model/environment.h"
 #include "material/model/leading_part.h"
+#include "material/model/maps.h"
 #include "material/system/threads.h"
 
 namespace loden::importer {
@@ -30,18 +31,6 @@ uint64_t bandBytes(const Material& material) {
   uint64_t bytes = 0;
   for (const Band& band : material.bands) bytes += band.bytes();
   return bytes;
-}
-
-uint64_t surfaceBytes(const Material& material) {
-  if (!material.surface) return 0;
-  uint64_t bytes = 0;
-  for (const SurfaceMapRow& row : kSurfaceMapRows) bytes += ((*material.surface).*row.texture).data.size();
-  return bytes;
-}
-
-uint64_t vdimBytes(const Material& material) {
-  if (!material.stored_vdim) return 0;
-  return material.stored_vdim->reference.data.size() + material.stored_vdim->packed.data.size();
 }
 
 // Components of the finest band: "16,0,0" where chroma is a ratio.
@@ -82,8 +71,9 @@ std::string inputName(const std::string& input) {
 }  // namespace
 
 uint64_t rawFileBytes(const Material& material) {
-  return bandBytes(material) + material.geometry.texels.data.size() + surfaceBytes(material) +
-         vdimBytes(material);
+  uint64_t bytes = 0;
+  for (const MaterialPart& part : materialParts(material)) bytes += mapBytes(material, part);
+  return bytes;
 }
 
 uint64_t residentBytes(const Material& material) {
@@ -125,7 +115,7 @@ std::string cookMeta(const Material& material, const std::string& input, const s
     meta["near"] = {{"lobe", maps.lobe == Lobe::kGgx ? "ggx" : "phong"},
                     {"visibility", visibilityName(maps.visibility)},
                     {"side", maps.color.width},
-                    {"bytes", surfaceBytes(material)}};
+                    {"bytes", mapBytes(material, {PartKind::kSurface})}};
     if (maps.indirect.width > 0) meta["near"]["indirect"] = true;
     if (fit && fit->indirect)
       meta["near"]["indirect_rmse_y"] = {{"with", fit->indirect->with}, {"without", fit->indirect->without}};

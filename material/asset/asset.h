@@ -13,6 +13,7 @@
 
 #include "material/base/result.h"
 #include "material/model/leading_part.h"
+#include "material/model/maps.h"
 
 namespace loden {
 
@@ -114,13 +115,8 @@ class AssetFile {
   // The number of chunks, counted from the front of chunks(), that lie wholly inside the source.
   int presentChunks() const { return present_chunks_; }
 
-  // The stored bytes (on disk) of the chunks of one band, whose index is that in skeleton().bands; 0 if they
-  // are absent.
-  uint64_t bandStoredBytes(int band, Share share = Share::kWhole) const;
-  // The stored bytes of the geometry image, the stored VDIM and the surface maps; 0 if they are absent.
-  uint64_t geometryStoredBytes() const;
-  uint64_t storedVdimStoredBytes() const;
-  uint64_t surfaceStoredBytes(Share share = Share::kWhole) const;
+  // The stored bytes (on disk) of the chunks of one part of skeleton(); 0 if they are absent.
+  uint64_t storedBytes(const MaterialPart& part, Share share = Share::kWhole) const;
 
   // One part, read, checked and decompressed. Each call reads only that part's bytes. For Share::kWhole,
   // `lead` may be the part that a call for Share::kLead returned; then only the rest is read. Thread safe.
@@ -131,8 +127,6 @@ class AssetFile {
   Result<SurfaceMaps> loadSurface(Share share = Share::kWhole, const SurfaceMaps* lead = nullptr) const;
 
  private:
-  // Stored bytes by chunk type; `band` counts for BAND only.
-  uint64_t storedBytes(uint32_t type, int band, Share share) const;
   // A material with only this part. A band becomes bands[0].
   Result<Material> load(uint32_t type, int band, Share share, std::optional<Material> lead = {}) const;
 

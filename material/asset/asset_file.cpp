@@ -27,27 +27,15 @@ Result<std::string> AssetFile::loadMeta() const {
   return meta.issue();
 }
 
-uint64_t AssetFile::storedBytes(uint32_t type, int band, Share share) const {
+uint64_t AssetFile::storedBytes(const MaterialPart& of, Share share) const {
+  LODEN_CHECK(of.kind != PartKind::kBand ||
+              (of.band >= 0 && of.band < static_cast<int>(skeleton_.bands.size())));
   uint64_t bytes = 0;
-  for (const Part& part : partsOf(skeleton_, type, band, share)) {
+  for (const Part& part : partsOf(skeleton_, chunkTypeOf(of.kind), of.band, share)) {
     const int chunk = chunkOfPart(chunks_, skeleton_, part);
     if (chunk >= 0 && chunk < present_chunks_) bytes += chunks_[chunk].stored_bytes;
   }
   return bytes;
-}
-
-uint64_t AssetFile::bandStoredBytes(int band, Share share) const {
-  LODEN_CHECK(band >= 0 && band < static_cast<int>(skeleton_.bands.size()));
-  return storedBytes(kBand, band, share);
-}
-uint64_t AssetFile::geometryStoredBytes() const {
-  return storedBytes(kGeom, -1, Share::kWhole);
-}
-uint64_t AssetFile::storedVdimStoredBytes() const {
-  return storedBytes(kVdim, -1, Share::kWhole);
-}
-uint64_t AssetFile::surfaceStoredBytes(Share share) const {
-  return storedBytes(kSurf, -1, share);
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #include "material/asset/asset_format.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace loden {
 
@@ -20,21 +21,16 @@ bool described(const Texture& texture) {
   return texture.width > 0;
 }
 
-template <class MaterialType>
-auto texturesOf(MaterialType& material, const Part& part) {
-  using TextureType = std::remove_reference_t<decltype((material.geometry.texels))>;
+// One per PartKind.
+constexpr uint32_t kPartTypes[] = {kBand, kGeom, kVdim, kSurf};
+
+template <class TextureType, class MaterialType>
+std::vector<TextureType*> texturesOf(MaterialType& material, const Part& part) {
   std::vector<TextureType*> textures;
-  if (part.type == kBand) {
-    auto& band = material.bands[part.band];
-    textures = {&band.weights, &band.table};
-  } else if (part.type == kGeom) {
-    textures = {&material.geometry.texels};
-  } else if (part.type == kVdim) {
-    textures = {&material.stored_vdim->reference, &material.stored_vdim->packed};
-  } else if (part.type == kSurf) {
-    for (const SurfaceMapRow& row : kSurfaceMapRows)
-      if (auto& map = (*material.surface).*row.texture; described(map)) textures.push_back(&map);
-  }
+  const auto* const type = std::find(std::begin(kPartTypes), std::end(kPartTypes), part.type);
+  if (type == std::end(kPartTypes)) return textures;
+  const auto kind = static_cast<PartKind>(type - kPartTypes);
+  for (const auto& map : mapsOf(material, {kind, part.band})) textures.push_back(map.texture);
   return textures;
 }
 
@@ -82,11 +78,15 @@ std::vector<Part> partsOf(const Material& material) {
   return parts;
 }
 
+uint32_t chunkTypeOf(PartKind kind) {
+  return kPartTypes[static_cast<size_t>(kind)];
+}
+
 std::vector<Texture*> partTextures(Material& material, const Part& part) {
-  return texturesOf(material, part);
+  return texturesOf<Texture>(material, part);
 }
 std::vector<const Texture*> partTextures(const Material& material, const Part& part) {
-  return texturesOf(material, part);
+  return texturesOf<const Texture>(material, part);
 }
 
 uint64_t partBytes(const Material& material, const Part& part) {

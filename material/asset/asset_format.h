@@ -8,6 +8,7 @@
 
 #include "material/asset/asset.h"
 #include "material/model/leading_part.h"
+#include "material/model/maps.h"
 
 namespace loden::asset {
 
@@ -66,6 +67,9 @@ std::vector<Part> partsOf(const Material& material);
 // The parts of one band, or of one other chunk type, in file order.
 std::vector<Part> partsOf(const Material& material, uint32_t type, int band = -1,
                           Share share = Share::kWhole);
+
+// The chunk type of a part's maps.
+uint32_t chunkTypeOf(PartKind kind);
 
 // The textures of which a part holds all or some texels, in order. Empty for kHead and kMeta.
 std::vector<Texture*> partTextures(Material& material, const Part& part);

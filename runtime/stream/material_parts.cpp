@@ -34,19 +34,17 @@ float parallaxEnd(const Material& material) {
 }
 
 PartPlan storedVdimPart(const Material& material, float lambda_end) {
-  const PaperVdim& vdim = *material.stored_vdim;
-  return {
-      PartKind::kStoredVdim, 0, {}, {textureBytes(vdim.reference) + textureBytes(vdim.packed), lambda_end}};
+  return {PartKind::kStoredVdim, 0, {}, {mapBytes(material, {PartKind::kStoredVdim}), lambda_end}};
 }
 
-// What a variant reads of the maps; without texels.
-SurfaceMaps mapsOf(const Material& material, const MaterialVariant& variant) {
+// The surface maps that a variant reads, without texels.
+SurfaceMaps shownMaps(const Material& material, const MaterialVariant& variant) {
   return variant.shadow_quads > 0 ? *material.surface : withoutShadow(*material.surface);
 }
 
 // The maps, or first their leading part and further on the whole.
 void addSurface(std::vector<PartPlan>& parts, const Material& material, const MaterialVariant& variant) {
-  const SurfaceMaps maps = mapsOf(material, variant);
+  const SurfaceMaps maps = shownMaps(material, variant);
   parts.push_back({PartKind::kSurface,
                    0,
                    {},
@@ -55,7 +53,7 @@ void addSurface(std::vector<PartPlan>& parts, const Material& material, const Ma
                    variant.shadow_quads > 0});
 }
 void addWholeSurface(std::vector<PartPlan>& parts, const Material& material, const MaterialVariant& variant) {
-  const SurfaceMaps maps = mapsOf(material, variant);
+  const SurfaceMaps maps = shownMaps(material, variant);
   if (maps.tail_mip == 0) return;
   // Nobody demands less than lambda 0.
   PartDesc desc{gpuBytes(maps), std::max(maps.lambda_first + float(maps.tail_mip), 1.0f)};
@@ -194,9 +192,9 @@ Result<LoadedPart> loadSurfacePart(const AssetFile& file, const PartPlan& plan, 
   return part;
 }
 
-// Of a texture that is going to be allocated.
+// A texture that is going to be allocated.
 struct Extents {
-  const char* what;
+  std::string what;
   TextureShape shape;
   glm::ivec3 size;
 };
@@ -205,31 +203,18 @@ std::string extentsText(glm::ivec3 size) {
   return std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z);
 }
 
-void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& part) {
-  if (part.share == Share::kLead && part.kind != PartKind::kGeometry) return;  // the whole is larger
-  const VdimAtlasSize atlas = part.atlas;
-  const auto add = [&all](const char* what, const Texture& t) {
-    all.push_back({what, t.shape, {t.width, t.height, t.depth}});
-  };
-  switch (part.kind) {
-    case PartKind::kBand:
-      add("band weights", material.bands[size_t(part.band)].weights);
-      add("a band table", material.bands[size_t(part.band)].table);
-      return;
-    case PartKind::kGeometry:
-      add("a geometry image", material.geometry.texels);
-      all.push_back({"a VDIM atlas",
-                     TextureShape::kArray2D,
-                     {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
-      return;
-    case PartKind::kStoredVdim:
-      add("a VDIM reference", material.stored_vdim->reference);
-      return add("a packed VDIM", material.stored_vdim->packed);
-    case PartKind::kSurface:
-      for (const SurfaceMapRow& row : kSurfaceMapRows)
-        if (part.shadow || row.layers > 0) add(row.name, (*material.surface).*row.texture);  // absent: 0 x 0
-      return;
+void addExtents(std::vector<Extents>& all, const Material& material, const PartPlan& plan) {
+  if (plan.share == Share::kLead && plan.kind != PartKind::kGeometry) return;  // the whole is larger
+  const MaterialPart part{plan.kind, plan.band};
+  for (const auto& map : mapsOf(material, part)) {
+    const Texture& t = *map.texture;
+    all.push_back({mapName(part, map.name), t.shape, {t.width, t.height, t.depth}});
   }
+  if (plan.kind != PartKind::kGeometry) return;
+  const VdimAtlasSize atlas = plan.atlas;
+  all.push_back({"the VDIM atlas",
+                 TextureShape::kArray2D,
+                 {atlas.texels, atlas.texels, atlas.directions * atlas.directions}});
 }
 
 }  // namespace
@@ -255,7 +240,7 @@ std::vector<PartPlan> planParts(const Material& material, const MaterialVariant&
     parts.push_back({PartKind::kSurface,
                      0,
                      {},
-                     {gpuBytes(mapsOf(material, variant)), near_end},
+                     {gpuBytes(shownMaps(material, variant)), near_end},
                      Share::kWhole,
                      variant.shadow_quads > 0});
   addBands(parts, material, Domain::kFlat, 0);
@@ -272,7 +257,7 @@ Status checkExtents(const Material& material, std::span<const PartPlan> parts, c
     const int depth = volume ? gl.max_volume_side : gl.max_array_layers;
     if (t.size.x <= side && t.size.y <= side && t.size.z <= depth) continue;
     return Issue{issue_id::kLimit, Severity::kError, material.name,
-                 std::string(t.what) + " of " + extentsText(t.size) + " texels, this driver takes " +
+                 t.what + " of " + extentsText(t.size) + " texels, this driver takes " +
                      extentsText({side, side, depth})};
   }
   return {};

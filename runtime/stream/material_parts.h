@@ -9,14 +9,13 @@
 
 #include "material/asset/asset.h"
 #include "material/eval/evaluate.h"
+#include "material/model/maps.h"
 #include "material/model/vdim.h"
 #include "runtime/gl/device.h"
 #include "runtime/stream/residency.h"
 #include "runtime/stream/shader_variants.h"
 
 namespace loden::runtime {
-
-enum class PartKind : uint8_t { kBand, kGeometry, kStoredVdim, kSurface };
 
 // One entry of a material's list of parts. Something that is stored in two pieces has two entries of the same
 // kind and band: first its leading part, later the whole. For bands and surface maps the leading part is that

@@ -60,12 +60,13 @@ uint64_t neededBytes(const SceneAsset& asset, float lambda) {
   uint64_t bytes = 0;
   for (const PartPlan& part : planParts(file.skeleton(), variant, {})) {
     if (part.desc.lambda_end <= lambda) continue;
-    if (part.kind == PartKind::kGeometry && !part.desc.refines) bytes += file.geometryStoredBytes();
+    const MaterialPart maps{part.kind, part.band};
+    if (part.kind == PartKind::kGeometry && !part.desc.refines) bytes += file.storedBytes(maps);
     // A band's leading part is needed where the whole is, which counts it; of split maps both are.
-    if (part.kind == PartKind::kBand && part.share == Share::kWhole) bytes += file.bandStoredBytes(part.band);
+    if (part.kind == PartKind::kBand && part.share == Share::kWhole) bytes += file.storedBytes(maps);
     if (part.kind == PartKind::kSurface)
-      bytes += file.surfaceStoredBytes(part.share) -
-               (part.desc.takes_over ? file.surfaceStoredBytes(Share::kLead) : 0);
+      bytes += file.storedBytes(maps, part.share) -
+               (part.desc.takes_over ? file.storedBytes(maps, Share::kLead) : 0);
   }
   return bytes;
 }

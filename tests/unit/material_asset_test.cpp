@@ -61,10 +61,10 @@ TEST(Asset, LoadsEachPartByItself) {
     Material read = file->skeleton();
     for (size_t i = 0; i < read.bands.size(); ++i) {
       EXPECT_TRUE(read.bands[i].weights.empty());
-      EXPECT_GT(file->bandStoredBytes(static_cast<int>(i)), 0u);
+      EXPECT_GT(file->storedBytes({PartKind::kBand, static_cast<int>(i)}), 0u);
       read.bands[i] = *file->loadBand(static_cast<int>(i));
     }
-    EXPECT_EQ(file->geometryStoredBytes() > 0, !material.geometry.empty());
+    EXPECT_EQ(file->storedBytes({PartKind::kGeometry}) > 0, !material.geometry.empty());
     if (!material.geometry.empty()) read.geometry = *file->loadGeometry();
     if (material.stored_vdim) read.stored_vdim = *file->loadStoredVdim();
     if (material.surface) read.surface = *file->loadSurface();
@@ -78,8 +78,9 @@ TEST(Asset, OrdersChunksFromCoarseToFine) {
   const Result<AssetFile> file = openBytes(serialized(test::fusedMaterial()));
   for (const ChunkInfo& chunk : file->chunks()) order += chunkName(chunk.type) + " ";
   EXPECT_EQ(order, "HEAD BAND GEOM BAND META ");
-  EXPECT_EQ(file->bandStoredBytes(1), file->chunks()[1].stored_bytes) << "the coarse band comes first";
-  EXPECT_EQ(file->bandStoredBytes(0), file->chunks()[3].stored_bytes);
+  EXPECT_EQ(file->storedBytes({PartKind::kBand, 1}), file->chunks()[1].stored_bytes)
+      << "the coarse band comes first";
+  EXPECT_EQ(file->storedBytes({PartKind::kBand, 0}), file->chunks()[3].stored_bytes);
 }
 
 // Bytes read through it.
@@ -104,7 +105,8 @@ TEST(Asset, LoadsALeadingPartByItselfAndThenTheRestAlone) {
     const Result<AssetFile> file = AssetFile::open(counter, "test");
     ASSERT_TRUE(file.ok());
     const bool bands = !material.bands.empty();
-    const uint64_t stored = bands ? file->bandStoredBytes(1) : file->surfaceStoredBytes();
+    const uint64_t stored =
+        bands ? file->storedBytes({PartKind::kBand, 1}) : file->storedBytes({PartKind::kSurface});
     counter->count = 0;
     Material expected = material, lead = material, whole = material;
     if (bands) {
@@ -267,7 +269,7 @@ TEST(Asset, DrawsTheWholeChunksOfACutFile) {
   const Result<AssetFile> cut = openBytes(prefix(bytes, fine.offset + fine.stored_bytes - 1));
   ASSERT_TRUE(cut.ok()) << cut.issue().text;
   EXPECT_EQ(cut->presentChunks(), 3);
-  EXPECT_EQ(cut->bandStoredBytes(0), 0u);
+  EXPECT_EQ(cut->storedBytes({PartKind::kBand, 0}), 0u);
   EXPECT_EQ(cut->loadBand(0).issue().id, issue_id::kMissingChunk);
   EXPECT_TRUE(cut->loadBand(1).ok());
   EXPECT_TRUE(cut->loadGeometry().ok());

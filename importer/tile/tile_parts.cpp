@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "importer/tile/charts.h"
-#include "material/base/check.h"
 
 namespace loden::importer {
 namespace {

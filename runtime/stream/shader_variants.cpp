@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "material/base/check.h"
 #include "material/model/vdim.h"
 #include "shaders/loden_shared.h"
 

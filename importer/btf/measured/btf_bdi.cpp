@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "importer/btf/measured/btf_kinds.h"
-#include "material/base/issues.h"
 
 namespace loden::importer::btf {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "importer/btf/measured/btf_color.h"
 #include "importer/btf/measured/btf_kinds.h"
-#include "material/base/issues.h"
 
 namespace loden::importer::btf {
 namespace {

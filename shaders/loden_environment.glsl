@@ -4,7 +4,7 @@
 //
 // Use, once per pixel:
 //   LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(h, frame));
-//   radiance += pi * value_scale * loden_evaluate_environment(m, h, light, wo_ts);
+//   radiance += pi * value_scale * loden_evaluate_environment(h, light, wo_ts);
 
 // Light over the hemisphere of a tangent frame: linear RGB per basis function 1, z, x, y, xy, x^2 - y^2.
 struct LodenHemisphere {
@@ -148,7 +148,7 @@ vec3 loden_evaluate_near_environment(LodenHit hit, LodenHemisphere light, vec3 w
 #endif
 
 // loden_evaluate integrated over the hemisphere's light, over pi. Linear RGB, not negative.
-vec3 loden_evaluate_environment(LodenMaterial m, LodenHit hit, LodenHemisphere light, vec3 wo_ts) {
+vec3 loden_evaluate_environment(LodenHit hit, LodenHemisphere light, vec3 wo_ts) {
   wo_ts = loden_tilted(hit.tilt, wo_ts);
   if (wo_ts.z <= 0.0) return vec3(0.0);
   vec3 shown = vec3(0.0);

@@ -71,8 +71,8 @@ uniform sampler2DArray loden_indirect;  // as those three
 
 #include "loden_types.glsl"
 
-LodenMaterial loden_material_default() {
+LodenPoint loden_point_default() {
   vec2 scale = loden_material.periods_per_length;
-  return LodenMaterial(loden_material.resident_lambda, 0.0, 0.0, true, mat2(0.0),
-                       mat2(scale.x, 0.0, 0.0, scale.y), 1.0);
+  return LodenPoint(loden_material.resident_lambda, 0.0, 0.0, true, mat2(0.0),
+                    mat2(scale.x, 0.0, 0.0, scale.y), 1.0);
 }

@@ -16,14 +16,14 @@
 //   LODEN_FOLLOW_SURFACE                                       view rays and light rays bend with the surface
 //   LODEN_COUNT_FETCHES                                        counts texture instructions in loden_fetches
 //   LODEN_NO_BRANCH, LODEN_ALWAYS_LOOKUP                       evaluates closed windows, finds p where no
-//   band reads
-//                                                              it, to measure the gain of leaving them out
+//                                                              band reads it, to measure the gain of leaving
+//                                                              them out
 //
 // Use, in a fragment shader with x the texture coordinate in tile periods and a tangent frame:
-//   LodenMaterial m = loden_material_default();
+//   LodenPoint m = loden_point_default();
 //   loden_follow_surface(m, ...);             where the surface is curved; needs LODEN_FOLLOW_SURFACE
 //   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo_ts);           once per pixel
-//   radiance += irradiance * loden_material.value_scale * loden_evaluate(m, h, wi_ts, wo_ts);   per light
+//   radiance += irradiance * loden_material.value_scale * loden_evaluate(h, wi_ts, wo_ts);   per light
 // Light from all around: loden_environment.glsl, which this file includes.
 
 #include "loden_shared.h"
@@ -56,7 +56,7 @@ int loden_footprint_taps(vec2 dx, vec2 dy, out vec2 step_) {
 // Tells m how the reference surface bends and how x lies on it, from screen-space derivatives of x, and of
 // position and unit normal, both in the tangent frame. FBTF 3.1 names a geometric proxy of equal curvature
 // for this; here the view ray bends instead, in the lookup.
-void loden_follow_surface(inout LodenMaterial m, vec2 dx, vec2 dy, vec3 dp_dx, vec3 dp_dy, vec3 dn_dx,
+void loden_follow_surface(inout LodenPoint m, vec2 dx, vec2 dy, vec3 dp_dx, vec3 dp_dy, vec3 dn_dx,
                           vec3 dn_dy) {
   float det = dp_dx.x * dp_dy.y - dp_dx.y * dp_dy.x, stretch = dx.x * dy.y - dx.y * dy.x;
   float area = sqrt(dot(dp_dx, dp_dx) * dot(dp_dy, dp_dy));
@@ -135,7 +135,7 @@ LodenHit loden_hit_at_parameter(vec2 x, vec2 p, float lambda) {
 // take no infinite one.
 const float LODEN_MOST_LAMBDA = 100.0;
 
-LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
+LodenHit loden_find_hit_at(LodenPoint m, vec2 x, float lambda, vec3 wo) {
   LodenHit hit;
   hit.x = x;
   hit.p = x;
@@ -180,7 +180,7 @@ LodenHit loden_find_hit_at(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
   return hit;
 }
 
-LodenHit loden_find_hit(LodenMaterial m, vec2 x, vec2 dx, vec2 dy, vec3 wo_ts) {
+LodenHit loden_find_hit(LodenPoint m, vec2 x, vec2 dx, vec2 dy, vec3 wo_ts) {
   float lambda =
       m.distance_ > 0.0 ? loden_lambda_from_distance(m.distance_) : loden_lambda_from_footprint(dx, dy);
   return loden_find_hit_at(m, x, lambda + m.lambda_bias, wo_ts);
@@ -217,7 +217,7 @@ mat3 loden_hit_frame(LodenHit hit, mat3 frame) {
 
 // Linear RGB in white units (white Lambert lit from above = 1): pi f_r cos(theta_i), also where the asset's
 // values leave the cosine out. Not negative: where a fit undershoots black, 0.
-vec3 loden_evaluate(LodenMaterial m, LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
+vec3 loden_evaluate(LodenHit hit, vec3 wi_ts, vec3 wo_ts) {
   wi_ts = loden_tilted(hit.tilt, wi_ts);
   wo_ts = loden_tilted(hit.tilt, wo_ts);
   if (wi_ts.z <= 0.0 || wo_ts.z <= 0.0) return vec3(0.0);

@@ -1,7 +1,7 @@
 // What the library's functions pass to each other and to a renderer.
 
 // State of one drawn instance, or of one shading point, next to the material's block.
-struct LodenMaterial {
+struct LodenPoint {
   float lambda_min;    // finest level that is resident; finer requests show this one
   float lambda_bias;   // added to the footprint's lambda
   float distance_;     // above 0: lambda by LBTF's distance rule, in units at which a texel covers a pixel
@@ -44,6 +44,6 @@ struct LodenHit {
   LodenNear near;  // where near_weight > 0
   vec3 position;   // tile periods; z in tile lengths below the reference surface
   bool relief;     // position is a point of the tile's geometry
-  mat2 curvature;  // as in LodenMaterial
+  mat2 curvature;  // as in LodenPoint
   mat2 x_from_tangent;
 };

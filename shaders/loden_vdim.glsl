@@ -87,7 +87,7 @@ struct LodenViewRay {
   bool bent;  // false: h is z. Constant without LODEN_FOLLOW_SURFACE, so that all that follows it is left out
 };
 
-LodenViewRay loden_view_ray(LodenMaterial m, vec2 x, vec3 wo) {
+LodenViewRay loden_view_ray(LodenPoint m, vec2 x, vec3 wo) {
   vec2 slope = loden_bounded_slope(wo);
   LodenViewRay ray = {x - floor(x), m.x_from_tangent * slope, vec2(0.0), 0.0, false};
 #ifdef LODEN_FOLLOW_SURFACE
@@ -548,7 +548,7 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
   return hit;
 }
 
-LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, LodenEffort effort) {
+LodenVdimHit loden_atlas_lookup(LodenPoint m, vec2 x, vec3 wo, LodenEffort effort) {
   LodenViewRay ray = loden_view_ray(m, x, wo);
 #ifdef LODEN_HEIGHT_FIELD
   if (!ray.bent) return loden_height_lookup(ray, x, effort);
@@ -557,7 +557,7 @@ LodenVdimHit loden_atlas_lookup(LodenMaterial m, vec2 x, vec3 wo, LodenEffort ef
 }
 
 // `lambda` is the level of detail at which what is found will be shown: it need not be closer than that.
-LodenVdimHit loden_vdim_lookup(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
+LodenVdimHit loden_vdim_lookup(LodenPoint m, vec2 x, float lambda, vec3 wo) {
   return loden_atlas_lookup(m, x, wo, loden_effort_over(LODEN_EFFORT, lambda));
 }
 

@@ -19,7 +19,7 @@ const float LODEN_SAME_SURFACE = 3.0;
 #ifdef LODEN_HEIGHT_FIELD
 // Over a flat reference surface: the share of a pixel's footprint from which the height field leaves the ray
 // free, from how closely the ray from P passes it.
-float loden_height_field_visibility(LodenMaterial m, LodenHit hit, vec3 wi, vec2 exit_, vec3 leaving,
+float loden_height_field_visibility(LodenPoint m, LodenHit hit, vec3 wi, vec2 exit_, vec3 leaving,
                                     LodenEffort effort) {
   LodenViewRay ray = loden_view_ray(m, exit_, leaving);
   float per_length = max(sqrt(dot(ray.slope, ray.slope)), 1e-6);
@@ -42,7 +42,7 @@ float loden_looked_up_visibility(LodenHit hit, vec3 wi, LodenEffort effort) {
   effort = loden_effort_over(effort, hit.lambda);
   // What lies beyond is looked up at it, and has to turn with the surface as what is looked up.
   wi = loden_clamp_theta(wi, vec4(0.0, LODEN_VDIM_COS, LODEN_VDIM_SIN, 0.0));
-  LodenMaterial m;
+  LodenPoint m;
   m.curvature = mat2(0.0);
   m.x_from_tangent = hit.x_from_tangent;
   vec2 slope = loden_bounded_slope(wi);

@@ -10,7 +10,7 @@ struct SurfaceShape {
 };
 
 struct SurfacePoint {
-  LodenMaterial material;
+  LodenPoint at;
   LodenHit hit;
 };
 
@@ -18,7 +18,7 @@ struct SurfacePoint {
 // What engines have in place of the lookup (Tatarchuk 2006): linear steps down the view ray until it is below
 // the height field, then bisections between the last two. The heights have no mips. Until they are resident,
 // x itself.
-LodenHit occludedHit(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
+LodenHit occludedHit(LodenPoint m, vec2 x, float lambda, vec3 wo) {
   const int kSteps = 16, kBisections = 5;
   vec2 shift = loden_bounded_slope(wo) * loden_material.periods_per_length *
                (-loden_material.geometry_range.z * float(loden_material.geometry_resident));
@@ -44,28 +44,28 @@ LodenHit occludedHit(LodenMaterial m, vec2 x, float lambda, vec3 wo) {
 
 SurfacePoint surfacePoint(vec2 x, vec2 dx, vec2 dy, SurfaceShape shape, vec3 wo) {
   SurfacePoint point;
-  point.material = loden_material_default();
-  point.material.lambda_min = loden_material.resident_lambda;
-  point.material.tile_length = object.tile.x;
+  point.at = loden_point_default();
+  point.at.lambda_min = loden_material.resident_lambda;
+  point.at.tile_length = object.tile.x;
   if ((scene.flags.x & SCENE_LAMBDA_DISTANCE) != 0)
-    point.material.distance_ = shape.away * scene.lambda.y * loden_material.side / object.tile.x;
+    point.at.distance_ = shape.away * scene.lambda.y * loden_material.side / object.tile.x;
 #ifdef LODEN_FOLLOW_SURFACE
-  loden_follow_surface(point.material, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
+  loden_follow_surface(point.at, dx, dy, shape.dp_dx, shape.dp_dy, shape.dn_dx, shape.dn_dy);
 #endif
 #ifdef SCENE_PARALLAX_DEPTH
-  point.material.skip_parallax =
+  point.at.skip_parallax =
       false;  // seen from above a relief moves nothing sideways, but is deep all the same
 #endif
 #ifdef SCENE_PARALLAX_OCCLUSION
   float lambda = (scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0 ? scene.lambda.x
-                 : point.material.distance_ > 0.0 ? loden_lambda_from_distance(point.material.distance_)
-                                                  : loden_lambda_from_footprint(dx, dy);
-  point.hit = occludedHit(point.material, x, lambda, wo);
+                 : point.at.distance_ > 0.0                   ? loden_lambda_from_distance(point.at.distance_)
+                                                              : loden_lambda_from_footprint(dx, dy);
+  point.hit = occludedHit(point.at, x, lambda, wo);
 #else
   if ((scene.flags.x & SCENE_LAMBDA_OVERRIDE) != 0)
-    point.hit = loden_find_hit_at(point.material, x, scene.lambda.x, wo);
+    point.hit = loden_find_hit_at(point.at, x, scene.lambda.x, wo);
   else
-    point.hit = loden_find_hit(point.material, x, dx, dy, wo);
+    point.hit = loden_find_hit(point.at, x, dx, dy, wo);
 #endif
   return point;
 }
@@ -78,7 +78,7 @@ int surfaceTaps(vec2 dx, vec2 dy, out vec2 step_) {
 
 // Height of the hit over the tangent plane, metres, <= 0.
 float surfaceDepth(SurfacePoint point) {
-  return point.hit.depth * point.material.tile_length;
+  return point.hit.depth * point.at.tile_length;
 }
 
 // True where the view ray leaves the tile again without meeting it.
@@ -88,12 +88,11 @@ bool surfaceMissed(SurfacePoint point) {
 
 // Per unit irradiance.
 vec3 surfaceRadiance(SurfacePoint point, vec3 wi, vec3 wo) {
-  return loden_evaluate(point.material, point.hit, wi, wo) * loden_material.value_scale;
+  return loden_evaluate(point.hit, wi, wo) * loden_material.value_scale;
 }
 
 // Radiance from the environment's light over the frame's hemisphere.
 vec3 surfaceEnvironment(SurfacePoint point, mat3 frame, vec3 wo) {
   LodenHemisphere light = loden_hemisphere_light(scene.environment, loden_hit_frame(point.hit, frame));
-  return loden_evaluate_environment(point.material, point.hit, light, wo) *
-         (LODEN_PI * loden_material.value_scale);
+  return loden_evaluate_environment(point.hit, light, wo) * (LODEN_PI * loden_material.value_scale);
 }

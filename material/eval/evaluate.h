@@ -31,7 +31,7 @@ struct Hit {
 };
 
 // Whether the lookup fades out where its parallax is below half a texel of the level shown, as the shaders do
-// by default (LodenMaterial::skip_parallax); kFull is what fits and comparisons measure.
+// by default (LodenPoint::skip_parallax); kFull is what fits and comparisons measure.
 enum class Parallax : uint32_t { kFull, kFaded };
 
 // Share of the parallax to apply, 0..1, at 1 wherever p is not x without it. Mirrors loden_parallax_fade.

@@ -151,7 +151,7 @@ auto effortOf(Lookup lookup) {
 
 template <class Program>
 auto materialOf(const LocalSurface<double>& surface) {
-  typename Program::LodenMaterial m{};
+  typename Program::LodenPoint m{};
   m.curvature = surface.curvature;
   m.x_from_tangent = surface.x_from_tangent;
   return m;

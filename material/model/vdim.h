@@ -89,7 +89,7 @@ VdimAtlas buildVdimAtlas(const GeometryImage& image, VdimAtlasSize size, const F
 // VdimAtlas::depth alone.
 Texture buildVdimDepth(const GeometryImage& image, VdimAtlasSize size, const ForEach& for_each = inOrder);
 
-// How the reference surface bends at x, and how x lies on it (shaders/loden_interface.glsl: LodenMaterial).
+// How the reference surface bends at x, and how x lies on it (shaders/loden_types.glsl: LodenPoint).
 // Lengths are tile lengths: the square root of the area that a tile takes on the surface.
 template <class T>
 struct LocalSurface {

@@ -184,12 +184,12 @@ layout(location = 0) out vec4 color;
 layout(location = 0) uniform vec2 lambda;
 void main() {
   vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(uv - 0.5, 0.6));
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
 #ifdef FULL_PARALLAX
   m.skip_parallax = false;
 #endif
   LodenHit h = loden_find_hit_at(m, uv * 5.0, mix(lambda.x, lambda.y, uv.y), wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
+  color = vec4(loden_evaluate(h, wi, wo), 0.0);
 #ifdef LODEN_COUNT_FETCHES
   color.w = float(loden_fetches);
 #endif

@@ -109,11 +109,11 @@ const char kMeshMain[] = R"(
 layout(location = 1) in vec2 parameter;
 void main() {
   vec3 wo = towards_eye();
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   vec2 x = plane_point();
   float lambda = max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0);
   LodenHit h = loden_hit_at_parameter(x, parameter, lambda);
-  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
+  SUM_LIGHTS(loden_evaluate(h, wi, wo));
 })";
 
 class TileMesh {
@@ -206,7 +206,7 @@ uniform vec2 depth_range;
 layout(location = 1) flat in vec2 prism;
 void main() {
   vec3 wo = towards_eye();
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   vec2 x = plane_point(), shift = -wo.xy / wo.z * depth_range;
   shift += vec2(lessThan(abs(shift), vec2(1e-6))) * 1e-6;
   float lambda = max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0);
@@ -229,7 +229,7 @@ void main() {
     if (textureLod(height_map, x + shift * middle, lambda).r <= middle) below = middle; else above = middle;
   }
   LodenHit h = loden_hit_at_parameter(x, x + shift * below, lambda);
-  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
+  SUM_LIGHTS(loden_evaluate(h, wi, wo));
 })";
 
 }  // namespace

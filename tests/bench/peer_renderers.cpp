@@ -18,7 +18,7 @@ layout(binding = FREE_UNIT) uniform sampler2D height_map;
 uniform vec2 depth_range;
 void main() {
   vec3 wo = towards_eye();
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   vec2 x = plane_point(), shift = -wo.xy / wo.z * depth_range;
   float lambda = max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0);
   float above = 0.0, below = 1.0;
@@ -35,7 +35,7 @@ void main() {
     if (textureLod(height_map, x + shift * middle, lambda).r <= middle) below = middle; else above = middle;
   }
   LodenHit h = loden_hit_at_parameter(x, x + shift * below, lambda);
-  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
+  SUM_LIGHTS(loden_evaluate(h, wi, wo));
 })";
 
 const char kConeMain[] = R"(
@@ -45,7 +45,7 @@ uniform vec2 depth_range;
 uniform float steepness_of_shift;
 void main() {
   vec3 wo = towards_eye();
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   vec2 x = plane_point(), shift = -wo.xy / wo.z * depth_range;
   float lambda = max(loden_lambda_from_footprint(dFdx(x), dFdy(x)), 0.0);
   float steepness = length(shift) * steepness_of_shift, below = 0.0;
@@ -56,7 +56,7 @@ void main() {
     below += max(texel.x - below, 0.0) * cone / (cone + steepness);
   }
   LodenHit h = loden_hit_at_parameter(x, x + shift * below, lambda);
-  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
+  SUM_LIGHTS(loden_evaluate(h, wi, wo));
 })";
 
 const char kTableMain[] = R"(

@@ -35,13 +35,13 @@ layout(set = 0, binding = 48) buffer Points { vec4 points[]; };
 void main() {
   uint i = gl_GlobalInvocationID.x * 5u;
   vec3 wo = normalize(points[i].xyz), wi = normalize(points[i + 1u].xyz);
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
 #ifdef CURVED
   m.curvature = mat2(points[i + 3u].xy, points[i + 3u].zw);
   m.x_from_tangent = mat2(points[i + 4u].xy, points[i + 4u].zw);
 #endif
   LodenHit h = loden_find_hit_at(m, points[i + 2u].xy, points[i + 2u].z, wo);
-  points[i].xyz = loden_evaluate(m, h, wi, wo);
+  points[i].xyz = loden_evaluate(h, wi, wo);
 })";
 
 const char kNormalMap[] = R"(

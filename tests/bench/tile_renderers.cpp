@@ -61,10 +61,10 @@ const vec3 kLights[4] = vec3[](vec3(0.5, 0.3, 0.8), vec3(-0.3, 0.5, 0.8), vec3(-
 const char kLodenMain[] = R"(
 void main() {
   vec3 wo = towards_eye();
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   vec2 x = plane_point();
   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo);
-  SUM_LIGHTS(loden_evaluate(m, h, wi, wo));
+  SUM_LIGHTS(loden_evaluate(h, wi, wo));
 })";
 
 }  // namespace

@@ -74,9 +74,9 @@ layout(location = 0) in vec2 x;
 layout(location = 0) out vec4 color;
 void main() {
   vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(-0.4, 0.1, 1.0));
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   LodenHit h = loden_find_hit_at(m, x, 0.0, wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), h.lambda);
+  color = vec4(loden_evaluate(h, wi, wo), h.lambda);
 })"};
 
 // Draws materials of one variant.

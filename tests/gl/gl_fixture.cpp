@@ -29,9 +29,9 @@ layout(location = 0) out vec4 color;
 layout(location = 0) uniform float lambda;
 void main() {
   vec3 wi = normalize(vec3(0.3, 0.2, 1.0)), wo = normalize(vec3(-0.4, 0.1, 1.0));
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   LodenHit h = loden_find_hit_at(m, x, lambda, wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), h.lambda);
+  color = vec4(loden_evaluate(h, wi, wo), h.lambda);
 })"};
 
 }  // namespace

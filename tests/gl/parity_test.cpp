@@ -54,7 +54,7 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   vec4 x = texelFetch(samples, ivec3(at, 0), 0);
   vec3 wi = texelFetch(samples, ivec3(at, 1), 0).xyz, wo = texelFetch(samples, ivec3(at, 2), 0).xyz;
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   m.skip_parallax = SKIP_PARALLAX;
 #ifdef CURVATURE
   m.curvature = mat2(CURVATURE);
@@ -64,9 +64,9 @@ void main() {
   float fetches = float(loden_fetches);  // of the lookup
 #ifdef ENVIRONMENT
   LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(hit, mat3(1.0)));
-  color = vec4(loden_evaluate_environment(m, hit, light, wo), fetches);
+  color = vec4(loden_evaluate_environment(hit, light, wo), fetches);
 #else
-  color = vec4(loden_evaluate(m, hit, wi, wo), fetches);
+  color = vec4(loden_evaluate(hit, wi, wo), fetches);
 #endif
   if (hit.missed) color.xyz = vec3(MISSED);
 }

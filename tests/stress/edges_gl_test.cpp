@@ -39,14 +39,14 @@ void main() {
 }
 )";
 constexpr const char* kEvaluate =
-    "LodenMaterial m = loden_material_default(); m.skip_parallax = false;"
+    "LodenPoint m = loden_point_default(); m.skip_parallax = false;"
     "LodenHit hit = loden_find_hit_at(m, first.xy, first.z, third.xyz);"
-    "color = vec4(loden_evaluate(m, hit, second.xyz, third.xyz), 0.0);";
+    "color = vec4(loden_evaluate(hit, second.xyz, third.xyz), 0.0);";
 constexpr const char* kEnvironmentMain =
-    "LodenMaterial m = loden_material_default(); m.skip_parallax = false;"
+    "LodenPoint m = loden_point_default(); m.skip_parallax = false;"
     "LodenHit hit = loden_find_hit_at(m, first.xy, first.z, third.xyz);"
     "LodenHemisphere light = loden_hemisphere_light(environment, loden_hit_frame(hit, mat3(1.0)));"
-    "color = vec4(loden_evaluate_environment(m, hit, light, third.xyz), 0.0);";
+    "color = vec4(loden_evaluate_environment(hit, light, third.xyz), 0.0);";
 
 struct Sample {
   glm::vec4 first{0}, second{0}, third{0};
@@ -311,9 +311,9 @@ TEST_F(StressGl, FootprintsOfEveryShapeHaveALevel) {
       samples.push_back({glm::vec4(bad, 0, dy), {}, {}});
   const auto gpu = run(material, Lookup::kNone,
                        "vec2 step_; int taps = loden_footprint_taps(first.xy, first.zw, step_);"
-                       "LodenMaterial m = loden_material_default();"
+                       "LodenPoint m = loden_point_default();"
                        "LodenHit h = loden_find_hit(m, vec2(0.3), first.xy, first.zw, vec3(0.0, 0.0, 1.0));"
-                       "vec3 c = loden_evaluate(m, h, vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0));"
+                       "vec3 c = loden_evaluate(h, vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0));"
                        "color = vec4(loden_lambda_from_footprint(first.xy, first.zw), float(taps), h.lambda,"
                        "c.x + c.y + c.z);",
                        samples);

@@ -36,9 +36,9 @@ layout(location = 0) out vec4 color;
 #include "loden_material.glsl"
 void main() {
   vec3 wi = normalize(vec3(0.5, 0.3, 0.8)), wo = normalize(vec3(uv - 0.5, 0.4));
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   LodenHit h = loden_find_hit_at(m, uv * 3.0, LAMBDA, wo);
-  color = vec4(loden_evaluate(m, h, wi, wo), 0.0);
+  color = vec4(loden_evaluate(h, wi, wo), 0.0);
 })";
 
 glm::dvec2 uvOf(size_t pixel, glm::dvec2 inside = glm::dvec2(0.5)) {

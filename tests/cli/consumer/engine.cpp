@@ -26,9 +26,9 @@ layout(location = 0) in vec2 x;
 layout(location = 0) out vec4 color;
 void main() {
   vec3 wi = normalize(vec3(0.0, 0.5, 1.0)), wo = normalize(vec3(0.4, 0.0, 1.0));
-  LodenMaterial m = loden_material_default();
+  LodenPoint m = loden_point_default();
   LodenHit h = loden_find_hit(m, x, dFdx(x), dFdy(x), wo);
-  color = vec4(loden_material.value_scale * loden_evaluate(m, h, wi, wo), 1.0);
+  color = vec4(loden_material.value_scale * loden_evaluate(h, wi, wo), 1.0);
 })"};
 
 int fail(const loden::Issue& issue) {

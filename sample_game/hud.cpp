@@ -69,6 +69,14 @@ std::string shortName(const SceneAsset& asset) {
   return name;
 }
 
+// Of the textures that the last frame asked for.
+void drawTextures(const std::vector<MaterialDemand>& textures) {
+  if (textures.empty() || !ImGui::CollapsingHeader("textures")) return;
+  for (const MaterialDemand& texture : textures)
+    ImGui::Text("mip %.1f of %.1f: %s", double(texture.resident), double(texture.lambda),
+                texture.name.c_str());
+}
+
 }  // namespace
 
 void applyQuality(Quality quality, FrameSettings& settings) {
@@ -218,7 +226,7 @@ void Hud::drawLooks(World& world, HudState& state, HudRequests& requests) {
   ImGui::SliderFloat("border", &state.wipe.border, 0, 1, "");
 }
 
-void Hud::drawBytes(const World& world, HudState& state, HudRequests& requests) {
+void Hud::drawBytes(const World& world, const Picture& picture, HudState& state, HudRequests& requests) {
   const MaterialStats& stats = world.materials->stats();
   float budget = static_cast<float>(state.budget_mb);
   ImGui::SetNextItemWidth(190);
@@ -228,6 +236,9 @@ void Hud::drawBytes(const World& world, HudState& state, HudRequests& requests) 
   }
   ImGui::Text("%.2f MB resident of %.2f, at most %.2f", double(stats.resident_bytes) / kMegabyte,
               double(stats.total_bytes) / kMegabyte, double(stats.peak_bytes) / kMegabyte);
+  if (stats.textures > 0)
+    ImGui::Text("%d textures with %.2f MB of it", stats.textures, double(stats.texture_bytes) / kMegabyte);
+  drawTextures(picture.stats().textures);
   if (!ImGui::CollapsingHeader("resident parts")) return;
   const std::vector<MaterialId> ids = world.renderer->assets();
   for (size_t i = 0; i < ids.size(); ++i) {
@@ -302,7 +313,7 @@ HudRequests Hud::draw(World& world, HudState& state, const Picture& picture,
     ImGui::Separator();
     drawLooks(world, state, requests);
     ImGui::Separator();
-    drawBytes(world, state, requests);
+    drawBytes(world, picture, state, requests);
     ImGui::TextDisabled("H: keys and mouse");
     ImGui::End();
   }

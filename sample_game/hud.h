@@ -68,7 +68,7 @@ class Hud {
   void drawLight(World& world, const std::vector<std::string>& environments, int environment,
                  HudRequests& requests);
   void drawLooks(World& world, HudState& state, HudRequests& requests);
-  void drawBytes(const World& world, HudState& state, HudRequests& requests);
+  void drawBytes(const World& world, const Picture& picture, HudState& state, HudRequests& requests);
   void drawHelp(bool& open);
   void drawWipe(const World& world, const HudState& state, const Picture& picture);
 

@@ -136,7 +136,7 @@ void addOutput(CLI::App& app, Options& options, Texts& texts) {
 }
 
 void addRuntime(CLI::App& app, Options& options) {
-  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials, MiB")
+  app.add_option("--budget-mb", options.budget_mb, "GPU memory for materials and textures, MiB")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--upload-kb", options.upload_kb, "Upload per frame, KiB")

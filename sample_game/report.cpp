@@ -32,10 +32,12 @@ Json optionsJson(const Options& options) {
 }
 
 Json frameJson(const FrameRecord& frame, size_t index) {
-  Json demands = Json::array();
-  for (const runtime::MaterialDemand& demand : frame.stats.demands)
-    demands.push_back(
-        {{"material", demand.name}, {"lambda", demand.lambda}, {"resident_lambda", demand.resident}});
+  const auto demands = [](const char* kind, const std::vector<runtime::MaterialDemand>& all) {
+    Json list = Json::array();
+    for (const runtime::MaterialDemand& demand : all)
+      list.push_back({{kind, demand.name}, {"lambda", demand.lambda}, {"resident_lambda", demand.resident}});
+    return list;
+  };
   return {{"frame", index},
           {"t", frame.t},
           {"ms", frame.ms},
@@ -48,10 +50,12 @@ Json frameJson(const FrameRecord& frame, size_t index) {
           {"program_changes", frame.stats.program_changes},
           {"triangles", frame.stats.triangles},
           {"resident_bytes", frame.materials.resident_bytes},
+          {"texture_bytes", frame.materials.texture_bytes},
           {"uploaded_bytes", frame.materials.uploaded_last_frame},
           {"read_bytes", frame.materials.read_bytes},
           {"evicted_parts", frame.materials.evicted_parts},
-          {"materials", std::move(demands)}};
+          {"materials", demands("material", frame.stats.demands)},
+          {"textures", demands("texture", frame.stats.textures)}};
 }
 
 // The value below which `share` of all lie.
@@ -71,6 +75,7 @@ Json summaryJson(const Report& report) {
           {"ms_median", percentile(ms, 0.5)},
           {"ms_p99", percentile(ms, 0.99)},
           {"materials", last.materials},
+          {"textures", last.textures},
           {"peak_bytes", last.peak_bytes},
           {"total_bytes", last.total_bytes},
           {"read_bytes", last.read_bytes},

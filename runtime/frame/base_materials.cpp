@@ -3,12 +3,14 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <tuple>
 
-#include "runtime/gl/gl_state.h"
+#include "material/base/memory_issue.h"
+#include "runtime/scene/camera.h"
+#include "runtime/scene/image_mips.h"
 #include "shaders/scene_shared.h"
 
 namespace loden::runtime {
@@ -35,38 +37,16 @@ GLint minFilterOf(const TextureSampler& sampler) {
   return sampler.minify_linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
 }
 
-// Each pixel the rounded mean of up to four codes.
-SceneImage halved(const SceneImage& image) {
-  SceneImage half{image.name, glm::max(image.size / 2, 1), {}};
-  half.pixels.reserve(size_t(half.size.x) * size_t(half.size.y));
-  for (int y = 0; y < half.size.y; ++y)
-    for (int x = 0; x < half.size.x; ++x) {
-      glm::ivec4 sum(2);
-      for (int k = 0; k < 4; ++k) {
-        const glm::ivec2 at = glm::min(2 * glm::ivec2(x, y) + glm::ivec2(k & 1, k >> 1), image.size - 1);
-        sum += glm::ivec4(image.pixels[size_t(at.y) * size_t(image.size.x) + size_t(at.x)]);
-      }
-      half.pixels.emplace_back(sum / 4);
-    }
-  return half;
-}
-
-GlTexture makeImageTexture(const SceneImage& image, bool srgb, const TextureSampler& sampler) {
-  GLint most = 1024;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-  if (std::max(image.size.x, image.size.y) > most) return makeImageTexture(halved(image), srgb, sampler);
-  const int levels = static_cast<int>(std::bit_width(unsigned(std::max(image.size.x, image.size.y))));
-  GlTexture texture = makeTexture(GL_TEXTURE_2D, image.name);
-  const GLuint name = texture.name();
-  const bool mips = sampler.mips != MipFilter::kNone;
-  glTextureStorage2D(name, mips ? levels : 1, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.size.x, image.size.y);
-  glTextureSubImage2D(name, 0, 0, 0, image.size.x, image.size.y, GL_RGBA, GL_UNSIGNED_BYTE,
-                      image.pixels.data());
-  glTextureParameteri(name, GL_TEXTURE_WRAP_S, wrapOf(sampler.wrap_u));
-  glTextureParameteri(name, GL_TEXTURE_WRAP_T, wrapOf(sampler.wrap_v));
-  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, sampler.magnify_linear ? GL_LINEAR : GL_NEAREST);
-  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, minFilterOf(sampler));
-  if (mips) glGenerateTextureMipmap(name);
+ImageTexture textureOf(const SceneImage& image, std::shared_ptr<const Texture> mips, bool srgb,
+                       const TextureSampler& sampler) {
+  ImageTexture texture;
+  texture.name = image.name;
+  texture.mips = std::move(mips);
+  texture.srgb = srgb;
+  texture.wrap_s = GLuint(wrapOf(sampler.wrap_u));
+  texture.wrap_t = GLuint(wrapOf(sampler.wrap_v));
+  texture.min_filter = GLuint(minFilterOf(sampler));
+  texture.mag_filter = sampler.magnify_linear ? GL_LINEAR : GL_NEAREST;
   return texture;
 }
 
@@ -106,35 +86,88 @@ SceneBaseMaterial materialData(const SceneMaterial& material) {
 
 }  // namespace
 
-BaseMaterials::BaseMaterials(const Scene& scene) {
-  const GlPixelStateScope pixels;
-  GLint alignment = 256;
-  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  stride_ = (sizeof(SceneBaseMaterial) + size_t(alignment) - 1) / size_t(alignment) * size_t(alignment);
-  std::vector<SceneMaterial> all = scene.materials;
-  all.emplace_back();
-  std::vector<std::byte> uniforms(all.size() * stride_);
-  std::map<std::tuple<int, bool, TextureSampler>, uint32_t> made;
-  for (size_t i = 0; i < all.size(); ++i) {
-    Item item{all[i].alpha_mode, {}};
+Result<BaseMaterials> BaseMaterials::create(const Scene& scene, MaterialSystem& system) {
+  return withMemoryIssue(scene.name, "the textures of this scene", [&]() -> Result<BaseMaterials> {
+    std::vector<SceneMaterial> all = scene.materials;
+    all.emplace_back();
+    BaseMaterials made(system);
+    if (Status status = made.loadTextures(scene, all); !status) return status.issue();
+    made.uploadUniforms(all);
+    return made;
+  });
+}
+
+Status BaseMaterials::loadTextures(const Scene& scene, const std::vector<SceneMaterial>& materials) {
+  std::map<std::pair<int, bool>, std::shared_ptr<const Texture>> mips;
+  std::map<std::tuple<int, bool, TextureSampler>, int> indices;
+  for (const SceneMaterial& material : materials) {
+    Item& item = materials_.emplace_back();
+    item.alpha_mode = material.alpha_mode;
     for (size_t role = 0; role < kTextureRoles; ++role) {
-      const TextureUse& use = all[i].textures[role];
+      const TextureUse& use = material.textures[role];
+      item.textures[role] = -1;
       if (use.image < 0) continue;
       const SceneImage& image = scene.images[size_t(use.image)];
       const bool srgb = isSrgb(TextureRole(role));
-      const auto [slot, fresh] = made.try_emplace({use.image, srgb, use.sampler}, 0u);
-      if (fresh) {
-        textures_.push_back(makeImageTexture(image, srgb, use.sampler));
-        slot->second = textures_.back().name();
-        texture_bytes_ += image.pixels.size() * 4 * (use.sampler.mips == MipFilter::kNone ? 3 : 4) / 3;
-      }
-      item.textures[role] = slot->second;
+      const auto [index, fresh] =
+          indices.try_emplace({use.image, srgb, use.sampler}, static_cast<int>(textures_.size()));
+      item.textures[role] = index->second;
+      if (!fresh) continue;
+      std::shared_ptr<const Texture>& texels = mips[{use.image, srgb}];
+      if (!texels) texels = std::make_shared<const Texture>(imageMips(image, srgb));
+      const Result<TextureId> id = system_->loadTexture(textureOf(image, texels, srgb, use.sampler));
+      if (!id) return id.issue();
+      textures_.push_back(
+          {OwnedTexture(*system_, *id), image.name, image.size, use.sampler.mips != MipFilter::kNone});
     }
-    materials_.push_back(item);
-    const SceneBaseMaterial data = materialData(all[i]);
+  }
+  return {};
+}
+
+void BaseMaterials::uploadUniforms(const std::vector<SceneMaterial>& materials) {
+  GLint alignment = 256;
+  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  stride_ = (sizeof(SceneBaseMaterial) + size_t(alignment) - 1) / size_t(alignment) * size_t(alignment);
+  std::vector<std::byte> uniforms(materials.size() * stride_);
+  for (size_t i = 0; i < materials.size(); ++i) {
+    const SceneBaseMaterial data = materialData(materials[i]);
     std::memcpy(uniforms.data() + i * stride_, &data, sizeof data);
   }
   uniforms_ = makeBuffer(uniforms.size(), uniforms, 0, "base materials");
+}
+
+std::vector<TextureNeed> BaseMaterials::needsOf(const Mesh& mesh, const SceneMaterial& source,
+                                                int material) const {
+  std::vector<TextureNeed> needs;
+  std::vector<std::tuple<const TextureUse*, glm::ivec2, float>> known;  // most textures are used alike
+  for (size_t role = 0; role < kTextureRoles; ++role) {
+    const int texture = materials_[size_t(material)].textures[role];
+    if (texture < 0) continue;
+    const TextureUse& use = source.textures[role];
+    const StreamedTexture& streamed = textures_[size_t(texture)];
+    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& entry) {
+      const auto& [other, size, density] = entry;
+      return other->tex_coord == use.tex_coord && other->image_u == use.image_u &&
+             other->image_v == use.image_v && size == streamed.size;
+    });
+    float density = 0;
+    if (same != known.end())
+      density = std::get<float>(*same);
+    else if (streamed.mipmapped)
+      known.emplace_back(&use, streamed.size, density = texelDensity(mesh, use, streamed.size));
+    const auto listed = std::find_if(needs.begin(), needs.end(),
+                                     [&](const TextureNeed& need) { return need.texture == texture; });
+    if (listed == needs.end())
+      needs.push_back({texture, density});
+    else
+      listed->texels_per_metre = std::min(listed->texels_per_metre, density);
+  }
+  return needs;
+}
+
+int BaseMaterials::maskTexture(int material) const {
+  const Item& item = materials_[size_t(material)];
+  return item.alpha_mode == AlphaMode::kMask ? item.textures[size_t(TextureRole::kBaseColor)] : -1;
 }
 
 void BaseMaterials::bind(int material) const {
@@ -142,8 +175,8 @@ void BaseMaterials::bind(int material) const {
                     GLintptr(size_t(material) * stride_), sizeof(SceneBaseMaterial));
   const Item& item = materials_[size_t(material)];
   for (GLuint role = 0; role < GLuint(kTextureRoles); ++role) {
-    if (item.textures[role] == 0) continue;
-    glBindTextureUnit(role, item.textures[role]);
+    if (item.textures[role] < 0) continue;
+    glBindTextureUnit(role, system_->textureName(textures_[size_t(item.textures[role])].id.id()));
     glBindSampler(role, 0);
   }
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <tuple>
 
 #include "material/base/issues.h"
@@ -24,9 +25,10 @@ namespace {
 constexpr int kUnits = SCENE_UNIT_SHADOW + 1;
 constexpr int kUniformBindings = SCENE_BLOCK_BASE_MATERIAL + 1;
 
-// The relief in the sun's shadow map, which a new pose makes void.
+// What the sun's shadow map shows beside the meshes. A new pose makes it void.
 struct ShadowRelief {
   glm::vec3 direction{0};  // of the sun
+  uint64_t masks = 0;      // changes with the textures that cut objects out
   bool shown = false;      // else all objects are as their meshes are, and the rest is as here
   bool shell = false;
   uint64_t revision = 0;  // MaterialSystem::reliefRevision
@@ -157,7 +159,8 @@ struct FrameRenderer::Impl {
   View view;
   FrameSettings settings;
   std::vector<Drawable> visible;
-  std::vector<MaterialId> demanded;  // parallel to stats.demands
+  std::vector<MaterialId> demanded;          // parallel to stats.demands
+  std::vector<TextureId> demanded_textures;  // parallel to stats.textures
   FrameStats stats;
   FramePrograms programs{shaders, materials, scene, image_light, settings};
 
@@ -166,6 +169,9 @@ struct FrameRenderer::Impl {
   Bounds shownBounds() const;
   void findVisible();
   void demandMaterials();
+  float textureLambda(const Object& object, float texels_per_metre) const;
+  void demandTextures();
+  uint64_t maskRevision() const;
 
   SceneFrame frameData() const;
   void uploadUniforms();
@@ -240,6 +246,57 @@ void FrameRenderer::Impl::demandMaterials() {
   }
 }
 
+// The finest mip that the object shows.
+float FrameRenderer::Impl::textureLambda(const Object& object, float texels_per_metre) const {
+  const float stretch = std::max(mostStretch(glm::mat3(object.world_from_local)), 1e-20f);
+  return demandLambda(view, object.bounds, texels_per_metre / stretch, 1);
+}
+
+// Those of base materials, and of alpha masks in the shadow map, where objects count that are out of view.
+void FrameRenderer::Impl::demandTextures() {
+  const auto& textures = scene.base_materials.textures();
+  std::vector<std::optional<float>> asked(textures.size());
+  const auto ask = [&asked](int texture, float lambda) {
+    std::optional<float>& least = asked[size_t(texture)];
+    least = std::min(least.value_or(lambda), lambda);
+  };
+  for (const Drawable& drawable : visible) {
+    const Object& object = scene.objects[drawable.object];
+    if (programs.materialOf(drawable.object)) continue;
+    for (const TextureNeed& need : scene.needs[object.needs])
+      ask(need.texture, textureLambda(object, need.texels_per_metre));
+  }
+  for (int i = 0; shadowSun() && i < static_cast<int>(scene.objects.size()); ++i) {
+    const Object& object = scene.objects[i];
+    const int mask = programs.materialOf(i) ? -1 : scene.base_materials.maskTexture(object.base_material);
+    for (const TextureNeed& need : scene.needs[object.needs]) {
+      if (need.texture != mask) continue;
+      const float stretch = std::max(mostStretch(glm::mat3(object.world_from_local)), 1e-20f);
+      ask(mask, std::max(std::log2(sun_view.texel * need.texels_per_metre / stretch), 0.0f));
+    }
+  }
+  demanded_textures.clear();
+  for (size_t i = 0; i < asked.size(); ++i) {
+    if (!asked[i]) continue;
+    const TextureId id = textures[i].id.id();
+    materials.demand(id, *asked[i]);
+    demanded_textures.push_back(id);
+    stats.textures.push_back({textures[i].name, *asked[i], materials.residentLambda(id)});
+  }
+}
+
+uint64_t FrameRenderer::Impl::maskRevision() const {
+  uint64_t hash = 0;
+  for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
+    const int mask =
+        programs.materialOf(i) ? -1 : scene.base_materials.maskTexture(scene.objects[i].base_material);
+    if (mask < 0) continue;
+    const float shown = materials.residentLambda(scene.base_materials.textures()[size_t(mask)].id.id());
+    hash = hash * 1099511628211u + std::bit_cast<uint32_t>(shown);
+  }
+  return hash;
+}
+
 SceneFrame FrameRenderer::Impl::frameData() const {
   SceneFrame data{};
   data.clip_from_world = view.clip_from_world;
@@ -293,8 +350,9 @@ void FrameRenderer::Impl::drawObject(int index, Faces faces) const {
 ShadowRelief FrameRenderer::Impl::shadowRelief() const {
   ShadowRelief relief;
   relief.direction = shadowSun().value_or(glm::vec3(0));
+  relief.masks = maskRevision();
   if (!settings.parallax_depth || settings.parallax_occlusion || settings.base_materials_only) return relief;
-  return {relief.direction, true, settings.shell, materials.reliefRevision(), settings.lambda};
+  return {relief.direction, relief.masks, true, settings.shell, materials.reliefRevision(), settings.lambda};
 }
 
 // The way that the light travels that throws the shadows; none: nothing throws any.
@@ -448,6 +506,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(const Device& devic
                                              {},
                                              {},
                                              {},
+                                             {},
                                              {}});
   return std::unique_ptr<FrameRenderer>(new FrameRenderer(std::move(impl)));
 }
@@ -470,14 +529,16 @@ void FrameRenderer::prepare(const View& view, const FrameSettings& settings) {
   impl_->findVisible();
   impl_->stats.objects = static_cast<int>(impl_->scene.objects.size());
   impl_->stats.visible_objects = static_cast<int>(impl_->visible.size());
+  if (const auto sun = impl_->shadowSun())
+    impl_->sun_view = sunView(impl_->shownBounds(), *sun, ShadowMap::kSide);
   impl_->demandMaterials();
+  impl_->demandTextures();
 }
 
 Status FrameRenderer::draw(const FrameTarget& target) {
   Impl& self = *impl_;
   if (target.size.x < 1 || target.size.y < 1) return {};  // a minimised window
   const GlDrawStateScope scope(kUnits, kUniformBindings);
-  if (const auto sun = self.shadowSun()) self.sun_view = sunView(self.shownBounds(), *sun, ShadowMap::kSide);
   self.uploadUniforms();
   setPassState();
   if (Status status = self.drawShadowMap(); !status) return status;
@@ -496,6 +557,8 @@ Status FrameRenderer::draw(const FrameTarget& target) {
 
   for (size_t i = 0; i < self.demanded.size(); ++i)
     self.stats.demands[i].resident = self.materials.residentLambda(self.demanded[i]);
+  for (size_t i = 0; i < self.demanded_textures.size(); ++i)
+    self.stats.textures[i].resident = self.materials.residentLambda(self.demanded_textures[i]);
   return {};
 }
 
@@ -507,8 +570,9 @@ std::vector<MaterialId> FrameRenderer::assets() const {
 
 uint64_t FrameRenderer::detailRevision() const {
   uint64_t hash = impl_->materials.reliefRevision();
-  for (const MaterialId id : impl_->demanded)
-    hash = hash * 1099511628211u + std::bit_cast<uint32_t>(impl_->materials.residentLambda(id));
+  const auto add = [&hash](float lambda) { hash = hash * 1099511628211u + std::bit_cast<uint32_t>(lambda); };
+  for (const MaterialId id : impl_->demanded) add(impl_->materials.residentLambda(id));
+  for (const TextureId id : impl_->demanded_textures) add(impl_->materials.residentLambda(id));
   return hash;
 }
 

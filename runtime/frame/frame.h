@@ -88,7 +88,7 @@ struct FrameSettings {
   glm::vec3 background{0.02f, 0.022f, 0.026f};   // linear RGB
 };
 
-// The level of detail that one frame wanted of a material, and the one it got.
+// The level of detail that one frame wanted of a material or a texture, and the one it got.
 struct MaterialDemand {
   std::string name;
   float lambda = 0;    // the finest level that the view asked for
@@ -102,6 +102,8 @@ struct FrameStats {
   int program_changes = 0;
   uint64_t triangles = 0;               // in the shading pass
   std::vector<MaterialDemand> demands;  // visible materials only
+  // Textures of glTF's own materials that are seen, or cut out what throws a shadow.
+  std::vector<MaterialDemand> textures;
 };
 
 // The framebuffer that a frame is drawn into: its GL name (0 is the window) and its size in pixels. The frame
@@ -116,9 +118,10 @@ struct FrameTarget {
 // or finishLoading(), then draw().
 class FrameRenderer {
  public:
-  // A renderer of the scene. Uploads the meshes and opens the scene's assets, which are unloaded with the
-  // renderer. The device must be current here and when the renderer is destroyed; device, shaders and
-  // materials must outlive the renderer. Issues: those of MaterialSystem::load.
+  // A renderer of the scene. Uploads the meshes, opens the scene's assets and has its images streamed as
+  // textures; both are unloaded with the renderer. The images need not stay in the scene, but a copy with
+  // mips stays in memory. The device must be current here and when the renderer is destroyed; device, shaders
+  // and materials must outlive the renderer. Issues: those of MaterialSystem::load.
   static Result<std::unique_ptr<FrameRenderer>> create(const Device& device, ShaderLibrary& shaders,
                                                        MaterialSystem& materials, const Scene& scene);
   ~FrameRenderer();
@@ -132,7 +135,8 @@ class FrameRenderer {
   // or appended assets. The scene must be the one given to create(), with or without its images. Leaves GL
   // state as it was. Issues: those of MaterialSystem::load.
   Status dress(const Scene& scene, const ScenePose& pose);
-  // Finds the visible objects and demands their Loden materials from the MaterialSystem. Makes no GL call.
+  // Finds the visible objects and demands their materials and textures from the MaterialSystem. Makes no GL
+  // call.
   void prepare(const View& view, const FrameSettings& settings);
   // Draws what prepare() found; draws nothing if the target's size is 0. Leaves GL state as it was. Issues:
   // those of ShaderLibrary::program; kMemory if the driver has no room for the samples.
@@ -144,7 +148,8 @@ class FrameRenderer {
   const FrameStats& stats() const;
   // The materials of Scene::assets, in that order.
   std::vector<MaterialId> assets() const;
-  // A number that changes whenever the Loden materials of the last frame would now be shown in other detail.
+  // A number that changes whenever materials and textures of the last frame would now be shown in other
+  // detail.
   uint64_t detailRevision() const;
   // The box around all instances, in the world frame.
   Bounds bounds() const;

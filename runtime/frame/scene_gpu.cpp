@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "material/base/issues.h"
 #include "runtime/scene/camera.h"
@@ -83,6 +84,7 @@ void uploadObjects(const Scene& scene, GpuScene& gpu) {
         users[i] ? uploadMesh(scene.meshes[i], bindingOf(scene, *users[i]), gpu.default_attributes)
                  : GpuMesh{});
   const ScenePose rest = poseAt(scene, nullptr, 0);
+  std::map<std::pair<int, int>, int> needs;  // by mesh and material
   for (const Instance& instance : scene.instances) {
     Mesh own;
     const Mesh& mesh = meshOf(scene, instance, rest, own);
@@ -91,6 +93,12 @@ void uploadObjects(const Scene& scene, GpuScene& gpu) {
       object.mesh = static_cast<int>(gpu.meshes.size());
       gpu.meshes.push_back(uploadMesh(mesh, bindingOf(scene, instance), gpu.default_attributes));
     }
+    const auto [found, fresh] =
+        needs.try_emplace({object.mesh, object.base_material}, static_cast<int>(gpu.needs.size()));
+    object.needs = found->second;
+    if (fresh)
+      gpu.needs.push_back(
+          gpu.base_materials.needsOf(mesh, materialOf(scene, instance), object.base_material));
     gpu.objects.push_back(std::move(object));
   }
 }
@@ -188,7 +196,10 @@ bool poseObject(const Scene& scene, const Instance& instance, const ScenePose& p
 }  // namespace
 
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials) {
-  GpuScene gpu{BaseMaterials(scene), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, scene.lights, {}, 0};
+  Result<BaseMaterials> base_materials = BaseMaterials::create(scene, materials);
+  if (!base_materials) return base_materials.issue();
+  GpuScene gpu{
+      std::move(*base_materials), makeDefaultAttributes(), {}, {}, {}, {}, {}, {}, {}, scene.lights, {}, 0};
   auto assets = loadAssets(scene, 0, materials);
   if (!assets) return assets.issue();
   gpu.assets = std::move(assets.value());

@@ -4,11 +4,11 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "runtime/frame/base_materials.h"
 #include "runtime/frame/mesh_gpu.h"
+#include "runtime/frame/owned.h"
 #include "runtime/gl/device.h"
 #include "runtime/gl/gl_objects.h"
 #include "runtime/gl/material/material_system.h"
@@ -25,34 +25,13 @@ struct Object {
   glm::mat4 world_from_local{1};
   int asset = -1;               // index into GpuScene::assets; -1: drawn with its base material
   int base_material = 0;        // index into GpuScene::base_materials
+  int needs = 0;                // index into GpuScene::needs
   float periods_per_metre = 1;  // tile periods per metre of its UVs
   bool curved = false;    // the mesh is curved or has stretched UVs, so that look-ups follow the surface
   Bounds bounds;          // world frame
   FacingCone facing;      // directions of its front faces; every direction if double sided
   bool mirrored = false;  // by its transform, so that front faces are clockwise
   bool double_sided = false;
-};
-
-// A material that is unloaded when this object is destroyed. The system must outlive it, with its context
-// current then.
-class OwnedMaterial {
- public:
-  OwnedMaterial(MaterialSystem& system, MaterialId id) : system_(&system), id_(id) {}
-  OwnedMaterial(OwnedMaterial&& other) noexcept
-      : system_(std::exchange(other.system_, nullptr)), id_(other.id_) {}
-  OwnedMaterial& operator=(OwnedMaterial&& other) noexcept {
-    std::swap(system_, other.system_);
-    std::swap(id_, other.id_);
-    return *this;
-  }
-  ~OwnedMaterial() {
-    if (system_) system_->unload(id_);
-  }
-  MaterialId id() const { return id_; }
-
- private:
-  MaterialSystem* system_;
-  MaterialId id_;
 };
 
 struct Asset {
@@ -65,6 +44,8 @@ struct GpuScene {
   GlBuffer default_attributes;
   std::vector<GpuMesh> meshes;
   std::vector<Object> objects;
+  // Per pair of mesh and base material.
+  std::vector<std::vector<TextureNeed>> needs;
   std::vector<Asset> assets;
   std::vector<Light> lights;  // point and spot lights
   std::optional<Light> sun;
@@ -74,8 +55,8 @@ struct GpuScene {
   size_t object_stride = 0;
 };
 
-// A scene on the GPU. Uploads meshes and per-object data, and opens the assets. Issues: those of
-// MaterialSystem::load.
+// A scene on the GPU. Uploads meshes and per-object data, opens the assets and has the images streamed.
+// Issues: those of MaterialSystem::load and loadTexture.
 Result<GpuScene> uploadScene(const Scene& scene, const Device& device, MaterialSystem& materials);
 
 // Uses the Loden materials that are now bound to the scene's materials, and opens the assets that were

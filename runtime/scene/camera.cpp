@@ -24,13 +24,13 @@ struct TriangleUvs {
   float density() const { return std::max(least, 0.5f * most); }
 };
 
-TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const FlatBtfBinding& binding,
-                        const glm::mat3& linear) {
-  const auto vertex = [&](size_t k) -> const Vertex& { return mesh.vertices[mesh.indices[first_index + k]]; };
-  const glm::vec3 e1 = linear * (vertex(1).position - vertex(0).position),
-                  e2 = linear * (vertex(2).position - vertex(0).position);
-  const glm::vec2 d1 = (vertex(1).uv - vertex(0).uv) * binding.scale,
-                  d2 = (vertex(2).uv - vertex(0).uv) * binding.scale;
+// `x_of` returns x at the vertex of that index.
+template <class XOf>
+TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const XOf& x_of, const glm::mat3& linear) {
+  const auto index = [&](size_t k) { return mesh.indices[first_index + k]; };
+  const auto position = [&](size_t k) { return mesh.vertices[index(k)].position; };
+  const glm::vec3 e1 = linear * (position(1) - position(0)), e2 = linear * (position(2) - position(0));
+  const glm::vec2 d1 = x_of(index(1)) - x_of(index(0)), d2 = x_of(index(2)) - x_of(index(0));
   const float area2 = glm::length(glm::cross(e1, e2)), length1 = glm::length(e1);
   if (!(area2 > 1e-20f) || !(length1 > 0)) return {};
   // Orthonormal frame of the plane with e1 along its first axis: e1 = (a, 0), e2 = (b, c).
@@ -40,6 +40,22 @@ TriangleUvs triangleUvs(const Mesh& mesh, size_t first_index, const FlatBtfBindi
   const float det = column1.x * column2.y - column2.x * column1.y;
   const float root = std::sqrt(std::max(sum * sum - 4 * det * det, 0.0f));
   return {std::sqrt(0.5f * (sum + root)), std::sqrt(std::max(0.5f * (sum - root), 0.0f)), 0.5f * area2};
+}
+
+// Tile coordinates, but for their rotation.
+auto tileCoordinates(const Mesh& mesh, const FlatBtfBinding& binding) {
+  return [&](uint32_t index) { return mesh.vertices[index].uv * binding.scale; };
+}
+
+// The density that only 2 % of the area falls below; `fallback` if there are no triangles.
+float densityOfNearlyAll(std::vector<TriangleUvs>& triangles, float fallback) {
+  float total = 0, below = 0;
+  for (const TriangleUvs& uvs : triangles) total += uvs.area;
+  std::sort(triangles.begin(), triangles.end(),
+            [](const TriangleUvs& a, const TriangleUvs& b) { return a.density() < b.density(); });
+  for (const TriangleUvs& uvs : triangles)
+    if ((below += uvs.area) >= 0.02f * total) return uvs.density();
+  return fallback;
 }
 
 glm::dvec3 hermite(const glm::dvec3& p0, const glm::dvec3& m0, const glm::dvec3& p1, const glm::dvec3& m1,
@@ -140,19 +156,36 @@ bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye
 
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local) {
   std::vector<TriangleUvs> triangles;
-  float total = 0;
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    const TriangleUvs uvs = triangleUvs(mesh, i, binding, glm::mat3(world_from_local));
-    if (!(uvs.density() > 0) || !std::isfinite(uvs.density())) continue;
-    total += uvs.area;
-    triangles.push_back(uvs);
+    const TriangleUvs uvs = triangleUvs(mesh, i, tileCoordinates(mesh, binding), glm::mat3(world_from_local));
+    if (uvs.density() > 0 && std::isfinite(uvs.density())) triangles.push_back(uvs);
   }
-  std::sort(triangles.begin(), triangles.end(),
-            [](const TriangleUvs& a, const TriangleUvs& b) { return a.density() < b.density(); });
-  float below = 0;
-  for (const TriangleUvs& uvs : triangles)
-    if ((below += uvs.area) >= 0.02f * total) return uvs.density();
-  return 1;
+  return densityOfNearlyAll(triangles, 1);
+}
+
+float texelDensity(const Mesh& mesh, const TextureUse& use, glm::ivec2 size) {
+  const std::vector<glm::vec2>& uvs = mesh.uv_sets[size_t(use.tex_coord)];
+  if (uvs.empty()) return 0;
+  const auto texels = [&](uint32_t index) {
+    const glm::vec2 uv = uvs[index];
+    return glm::vec2(glm::dot(glm::vec2(use.image_u), uv), glm::dot(glm::vec2(use.image_v), uv)) *
+           glm::vec2(size);
+  };
+  std::vector<TriangleUvs> triangles;
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const TriangleUvs triangle = triangleUvs(mesh, i, texels, glm::mat3(1));
+    if (triangle.area > 0 && std::isfinite(triangle.density())) triangles.push_back(triangle);
+  }
+  return densityOfNearlyAll(triangles, 0);
+}
+
+// The largest sum of a row of A^T A is no smaller than its largest eigenvalue.
+float mostStretch(const glm::mat3& linear) {
+  const glm::mat3 square = glm::transpose(linear) * linear;
+  float most = 0;
+  for (int k = 0; k < 3; ++k)
+    most = std::max(most, std::abs(square[k].x) + std::abs(square[k].y) + std::abs(square[k].z));
+  return std::sqrt(most);
 }
 
 bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local,
@@ -161,7 +194,7 @@ bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& w
   constexpr float kCurvature = 0.01f,
                   kNoise = 1e-4f;  // tilt of the normal per tile period, and of normals as stored
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    const TriangleUvs uvs = triangleUvs(mesh, i, binding, glm::mat3(world_from_local));
+    const TriangleUvs uvs = triangleUvs(mesh, i, tileCoordinates(mesh, binding), glm::mat3(world_from_local));
     if (!(uvs.area > 0)) continue;
     if (!(std::abs(uvs.most - density) <= kStretch * density &&
           std::abs(uvs.least - density) <= kStretch * density))

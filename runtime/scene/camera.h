@@ -51,13 +51,20 @@ bool facesAway(const FacingCone& cone, const Bounds& world, const glm::vec3& eye
 // from the two singular values of the map from UV to world.
 float uvDensity(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local);
 
+// Texels of an image of `size` per metre of the mesh in its own frame, such that only 2 % of the area has
+// fewer where the texture is used so; 0 where texture coordinates stand still. Square pixels that see the
+// surface from any side read no finer mip than this asks for, but for that share.
+float texelDensity(const Mesh& mesh, const TextureUse& use, glm::ivec2 size);
+// A bound for how much the transform lengthens anything; exact for rotations and scales.
+float mostStretch(const glm::mat3& linear);
+
 // Whether look-ups on the mesh need not follow its surface (loden_follow_surface): every triangle is flat
 // according to its normals, and its UVs have `density` tile periods per metre in all directions.
 bool isPlain(const Mesh& mesh, const FlatBtfBinding& binding, const glm::mat4& world_from_local,
              float density);
 
 // The smallest lambda that any pixel of a visible object can ask for, as loden_lambda_from_footprint computes
-// it. `side`: reference texels per tile period.
+// it. `side`: reference texels per tile period. For a texture: texels per metre, and a side of 1.
 float demandLambda(const View& view, const Bounds& world, float periods_per_metre, int side);
 
 // A camera path: positions and targets at given times, interpolated by cubic Hermite curves whose slopes are

@@ -28,6 +28,9 @@ struct PartPlan {
   PartDesc desc;
   Share share = Share::kWhole;
   bool shadow = false;  // kSurface only: load the shadow map too
+  // Of an image's texture (image_parts.h), which has no kind: the part's first mip, and the number of its
+  // mips.
+  int first_mip = 0, mips = 0;
 };
 
 // Above this lambda the first (small) atlas is good enough: its error is below .3 texels of the level that is
@@ -58,11 +61,18 @@ enum class Sampling : uint8_t {
 struct PartTexture {
   int unit = 0;  // texture unit (LODEN_UNIT_* of shaders/loden_shared.h)
   Sampling sampling = Sampling::kRepeatTrilinear;
-  // True for a geometry image, which is a GL_TEXTURE_2D of R32UI or R16 (shaders/loden_interface.glsl);
-  // false: an array.
+  // True for a GL_TEXTURE_2D: an image's mips, or a geometry image, which is R32UI or R16
+  // (shaders/loden_interface.glsl); false: an array.
   bool plain_2d = false;
   const char* label = "";
   Texture texels;
+  // If set, the texels are, in place of `texels`, these mips of an image that is kept elsewhere.
+  std::shared_ptr<const Texture> image = nullptr;
+  int first_mip = 0, mips = 0;
+  bool srgb = false;  // of `image`: red, green and blue are sRGB codes
+
+  const Texture& source() const { return image ? *image : texels; }
+  int endMip() const { return image ? first_mip + mips : texels.mips; }
 };
 
 struct LoadedPart {

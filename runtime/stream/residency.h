@@ -1,10 +1,10 @@
 // Residency: decides which parts of which materials are on the GPU. Policy only: no GL, no files, no threads.
 //
-// A material is a list of parts, coarsest first, that are loaded in that order. In each frame call demand()
-// for every visible material, then advance(), carry out the actions that it returns, and report back with
-// arrived() or failed(). A part counts against the budget from its request on, so that the budget holds in
-// every frame. The work per frame grows with the number of materials that are visible, loading or about to be
-// released, not with the number of all materials.
+// A material, which may also be a texture of an engine's own, is a list of parts, coarsest first, that are
+// loaded in that order. In each frame call demand() for every visible material, then advance(), carry out the
+// actions that it returns, and report back with arrived() or failed(). A part counts against the budget from
+// its request on, so that the budget holds in every frame. The work per frame grows with the number of
+// materials that are visible, loading or about to be released, not with the number of all materials.
 #pragma once
 
 #include <cstddef>

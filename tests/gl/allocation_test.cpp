@@ -13,6 +13,7 @@
 #include "tests/failing_allocation.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/unit/material_fixtures.h"
+#include "tests/unit/textured_square.h"
 
 extern "C" char __executable_start, etext;  // of this program's code
 
@@ -201,6 +202,70 @@ TEST_P(MaterialAllocation, EveryFailureLeavesOthersAsTheyWere) {
   EXPECT_GT(coarser, 0);
   for (const Issue& message : messages)
     EXPECT_TRUE(message.severity == Severity::kNote || message.id == issue_id::kMemory) << message.text;
+}
+
+using TextureAllocation = GlTest;
+
+TEST_F(TextureAllocation, EveryFailureLeavesOthersAsTheyWere) {
+  tolerated = 1000000;  // parts that failed are logged
+  const auto other_bytes = assetSource(lodMaterial());
+  ImageTexture image = imageTexture(noiseImage({256, 256}, 1));
+  image.name = "a texture whose name is too long for a string without an allocation";
+  std::unique_ptr<Screen> screen;
+  std::vector<glm::vec4> picture;
+
+  const auto run = [&](long n) {
+    Outcome outcome;
+    auto system = makeMaterials();
+    const MaterialId other = *system->load(other_bytes, "other");
+    system->demand(other, 0);
+    system->finishLoading();
+    if (!screen) screen = std::make_unique<Screen>(system->variant(other));
+    if (picture.empty()) picture = screen->draw(*system, other);
+    const int textures = liveTextures();
+
+    allocations.begin(n), counting = true;
+    const Result<TextureId> id = system->loadTexture(image);
+    for (int frame = 0; frame < 20; ++frame) {
+      try {
+        system->demand(other, 0);
+        if (id) system->demand(*id, 0);
+      } catch (const std::bad_alloc&) {
+        ++outcome.thrown;
+      }
+      EXPECT_NO_THROW(system->update(0.1f));
+    }
+    counting = false;
+
+    outcome.made = allocations.made;
+    outcome.load_issue = id ? 0 : id.issue().id;
+    outcome.failed = system->stats().failed_memory;
+    EXPECT_EQ(screen->draw(*system, other), picture) << "allocation " << n;
+    if (id) {
+      system->demand(*id, 0);
+      system->finishLoading();
+      EXPECT_EQ(system->stats().failed_parts, outcome.failed);
+      EXPECT_TRUE(outcome.failed > 0 || system->residentLambda(*id) == 0) << "allocation " << n;
+      EXPECT_NE(system->textureName(*id), 0u);
+      system->unload(*id);
+    }
+    EXPECT_EQ(liveTextures(), textures) << "allocation " << n;
+    EXPECT_EQ(system->stats().texture_bytes, 0u) << "allocation " << n;
+    return outcome;
+  };
+
+  run(-1);
+  const Outcome whole = run(-1);
+  ASSERT_EQ(whole.load_issue, 0);
+  int refused = 0, coarser = 0;
+  for (long n = 0; n < whole.made && !HasFailure(); ++n) {
+    const Outcome outcome = run(n);
+    ASSERT_TRUE(outcome.load_issue == 0 || outcome.load_issue == issue_id::kMemory) << outcome.load_issue;
+    refused += outcome.load_issue != 0, coarser += outcome.failed > 0;
+  }
+  std::printf("%ld allocations: %d refused, %d coarser\n", whole.made, refused, coarser);
+  EXPECT_GT(refused, 5);
+  EXPECT_GT(coarser, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, MaterialAllocation,

@@ -9,6 +9,7 @@
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/gl_state_dump.h"
 #include "tests/unit/material_fixtures.h"
+#include "tests/unit/textured_square.h"
 
 namespace loden::test {
 namespace {
@@ -61,7 +62,10 @@ TEST_F(EngineManners, EveryPublicCallLeavesGlStateAsFound) {
   for (const Material& material : {surfaceMaterial(), lodMaterial(), fusedMaterial()})
     ids.push_back(load(*system, material));
   expectUnchanged("load");
+  const TextureId texture = *system->loadTexture(imageTexture(noiseImage({256, 128}, 1)));
+  expectUnchanged("loadTexture");
   for (MaterialId id : ids) system->demand(id, 0);
+  system->demand(texture, 0);
   system->update(0.1f);
   expectUnchanged("update");
   system->finishLoading();
@@ -71,6 +75,7 @@ TEST_F(EngineManners, EveryPublicCallLeavesGlStateAsFound) {
   readCodes(target);
   expectUnchanged("render target");
   system->unload(ids[0]);
+  system->unload(texture);
   expectUnchanged("unload");
   system.reset();
   expectUnchanged("destruction");
@@ -97,6 +102,8 @@ TEST_F(EngineManners, LeavesNoNamesBehind) {
       system->finishLoading();
       drawMaterial(*system, id, 0);
     }
+    system->demand(*system->loadTexture(imageTexture(noiseImage({256, 128}, 1))), 0);
+    system->finishLoading();
     EXPECT_GT(liveNames(), before);
   }
   EXPECT_EQ(liveNames(), before);
@@ -108,6 +115,8 @@ TEST_F(EngineManners, LabelsEveryObject) {
     system->demand(load(*system, material), 0);
     system->finishLoading();
   }
+  system->demand(*system->loadTexture(imageTexture(noiseImage({256, 128}, 1))), 0);
+  system->finishLoading();
   int textures = 0;
   for (GLuint name = 1; name < 4096; ++name) {
     for (const GLenum kind : {GL_TEXTURE, GL_BUFFER}) {

@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include "runtime/scene/image_mips.h"
 #include "runtime/shader/shader_library.h"
 
 namespace loden::test {
@@ -82,6 +83,17 @@ MaterialId GlTest::load(MaterialSystem& system, const Material& material) {
   if (id.ok()) return *id;
   ADD_FAILURE() << id.issue().where << ": " << id.issue().text;
   return {};
+}
+
+ImageTexture imageTexture(const SceneImage& image, bool mipmapped) {
+  ImageTexture texture;
+  texture.name = image.name;
+  texture.mips = std::make_shared<const Texture>(imageMips(image, true));
+  texture.srgb = true;
+  texture.wrap_s = texture.wrap_t = GL_REPEAT;
+  texture.min_filter = mipmapped ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR;
+  texture.mag_filter = GL_LINEAR;
+  return texture;
 }
 
 std::vector<glm::vec4> drawMaterial(MaterialSystem& system, MaterialId id, float lambda, glm::ivec2 size) {

@@ -12,6 +12,7 @@
 #include "runtime/gl/gl_objects.h"
 #include "runtime/gl/gl_target.h"
 #include "runtime/gl/material/material_system.h"
+#include "runtime/scene/scene.h"
 
 namespace loden::test {
 
@@ -31,6 +32,9 @@ class GlTest : public ::testing::Test {
 };
 
 std::shared_ptr<const ByteSource> assetSource(const Material& material);
+
+// The image as a repeated texture of sRGB colours, with linear filters.
+runtime::ImageTexture imageTexture(const runtime::SceneImage& image, bool mipmapped = true);
 
 // A picture of one material, drawn by the shader library alone; linear RGB, [height][width]. x runs over the
 // target; lambda, light and view are fixed. GL state is left changed.

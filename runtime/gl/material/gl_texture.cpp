@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "material/base/check.h"
 
@@ -14,6 +15,7 @@ struct GlFormat {
 };
 
 GlFormat glFormat(const PartTexture& part) {
+  if (part.image) return {GLenum(part.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8), GL_RGBA, GL_UNSIGNED_BYTE};
   // The packed geometry image (material/model/packed_geometry.h): all bytes of a texel in one channel, so
   // that one gather returns a whole patch.
   if (part.plain_2d && part.texels.format == TexelFormat::kRG8Unorm)
@@ -59,7 +61,9 @@ void setSampling(GLuint texture, Sampling sampling) {
 }  // namespace
 
 GlTexture allocateTexture(const PartTexture& part, std::string_view label) {
-  const Texture& t = part.texels;
+  const Texture& t = part.source();
+  const int width = t.mipWidth(part.first_mip), height = t.mipHeight(part.first_mip);
+  const GLsizei mips = part.endMip() - part.first_mip;
   const GLenum internal = glFormat(part).internal;
   const bool volume = t.shape == TextureShape::kVolume;
   GlTexture texture = makeTexture(volume          ? GL_TEXTURE_3D
@@ -67,13 +71,20 @@ GlTexture allocateTexture(const PartTexture& part, std::string_view label) {
                                                   : GL_TEXTURE_2D_ARRAY,
                                   label);
   if (part.plain_2d)
-    glTextureStorage2D(texture.name(), t.mips, internal, t.width, t.height);
+    glTextureStorage2D(texture.name(), mips, internal, width, height);
   else
-    glTextureStorage3D(texture.name(), t.mips, internal, t.width, t.height, t.depth);
+    glTextureStorage3D(texture.name(), mips, internal, width, height, t.depth);
   GLint stored = GL_FALSE;  // false if it could not be
   glGetTextureParameteriv(texture.name(), GL_TEXTURE_IMMUTABLE_FORMAT, &stored);
   if (stored == GL_FALSE) return {};
   setSampling(texture.name(), part.sampling);
+  return texture;
+}
+
+GlTexture uploadWhole(const PartTexture& part, std::string_view label) {
+  GlTexture texture = allocateTexture(part, label);
+  int64_t unlimited = std::numeric_limits<int64_t>::max();
+  if (texture) TextureUpload().step(part, texture.name(), unlimited);
   return texture;
 }
 
@@ -89,15 +100,16 @@ GlTexture makeIndexTexture(std::span<const uint8_t> indices, int side, std::stri
 bool TextureUpload::step(const PartTexture& part, uint32_t texture, int64_t& budget) {
   do {
     budget -= int64_t(uploadSome(part, texture, uint64_t(std::max<int64_t>(budget, 0))));
-    if (mip_ == part.texels.mips) return true;
+    if (part.first_mip + mip_ == part.endMip()) return true;
   } while (budget > 0);
   return false;
 }
 
 // One call's worth: whole layers where they fit, else rows of one layer. Returns bytes.
 uint64_t TextureUpload::uploadSome(const PartTexture& part, uint32_t texture, uint64_t budget) {
-  const Texture& t = part.texels;
-  const int width = t.mipWidth(mip_), height = t.mipHeight(mip_), depth = t.depth;
+  const Texture& t = part.source();
+  const int mip = part.first_mip + mip_;  // of the source
+  const int width = t.mipWidth(mip), height = t.mipHeight(mip), depth = t.depth;
   const uint64_t row_bytes = uint64_t(width) * uint64_t(texelBytes(t.format)),
                  layer_bytes = row_bytes * uint64_t(height);
   int rows = height, layers = 1;
@@ -106,7 +118,7 @@ uint64_t TextureUpload::uploadSome(const PartTexture& part, uint32_t texture, ui
   else
     rows = int(std::clamp(budget / row_bytes, uint64_t(1), uint64_t(height - row_)));
   const std::byte* texels =
-      t.data.data() + t.mipOffset(mip_) + layer_bytes * uint64_t(layer_) + row_bytes * uint64_t(row_);
+      t.data.data() + t.mipOffset(mip) + layer_bytes * uint64_t(layer_) + row_bytes * uint64_t(row_);
   const GlFormat gl = glFormat(part);
   if (part.plain_2d)
     glTextureSubImage2D(texture, mip_, 0, row_, width, rows, gl.format, gl.type, texels);

@@ -15,6 +15,9 @@ namespace loden::runtime {
 // texels yet. Empty if the driver has no memory for it.
 GlTexture allocateTexture(const PartTexture& part, std::string_view label);
 
+// The same with all its texels.
+GlTexture uploadWhole(const PartTexture& part, std::string_view label);
+
 // A usampler2D texture of indices: one unsigned byte per texel, side x side, nearest filter.
 GlTexture makeIndexTexture(std::span<const uint8_t> indices, int side, std::string_view label);
 

@@ -25,12 +25,6 @@ void writeWhole(const PartTexture& part, const GlTexture& texture) {
   TextureUpload().step(part, texture.name(), unlimited);
 }
 
-GlTexture uploadWhole(const PartTexture& part, const std::string& label) {
-  GlTexture texture = allocateTexture(part, label);
-  writeWhole(part, texture);
-  return texture;
-}
-
 std::string directionsKey(const DirectionSet& set) {
   return std::string(reinterpret_cast<const char*>(set.samples.data()),
                      set.samples.size() * sizeof set.samples[0]);

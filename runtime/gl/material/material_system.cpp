@@ -13,6 +13,7 @@
 #include "runtime/gl/gl_state.h"
 #include "runtime/gl/material/gl_texture.h"
 #include "runtime/gl/material/material_gpu.h"
+#include "runtime/gl/material/texture_gpu.h"
 #include "runtime/stream/residency.h"
 #include "runtime/stream/streaming.h"
 
@@ -30,15 +31,19 @@ struct UploadJob {
   TextureUpload upload;             // of textures.back()
 };
 
+// A material, or a texture.
 struct Slot {
   bool alive = false;
   uint32_t generation = 0;
   std::string name;
+  std::vector<PartPlan> plan;
+  std::vector<uint64_t>
+      serials;  // per part: of the request that counts; 0: none, or it is not there any more
+  std::optional<TextureGpu> texture;
+  // Of a material only.
   std::shared_ptr<const AssetFile> file;
   MaterialVariant variant;
-  std::vector<PartPlan> plan;
   std::vector<std::shared_ptr<const Material>> leads;  // per part: LoadedPart::lead
-  std::vector<uint64_t> serials;                       // per part: of the request that counts
   MaterialGpu gpu;
 };
 
@@ -48,6 +53,7 @@ struct Demand {
 };
 
 std::string partName(const PartPlan& part) {
+  if (part.mips > 0) return "mips from " + std::to_string(part.first_mip) + " on";
   const bool lead = part.share == Share::kLead;
   switch (part.kind) {
     case PartKind::kBand:
@@ -104,15 +110,28 @@ struct MaterialSystem::Impl {
     return r;
   }
 
-  const Slot& slotOf(MaterialId id) const {
-    LODEN_CHECK(id);
-    const uint32_t index = (id.value & ((1u << kIndexBits) - 1)) - 1;
+  const Slot& slotNamed(uint32_t name) const {
+    LODEN_CHECK(name != 0);
+    const uint32_t index = (name & ((1u << kIndexBits) - 1)) - 1;
     LODEN_CHECK_LT(index, slots.size());
     LODEN_CHECK(slots[index].alive);
-    LODEN_CHECK_EQ(slots[index].generation & 0xfffu, id.value >> kIndexBits);
+    LODEN_CHECK_EQ(slots[index].generation & 0xfffu, name >> kIndexBits);
     return slots[index];
   }
-  uint32_t indexOf(MaterialId id) const { return static_cast<uint32_t>(&slotOf(id) - slots.data()); }
+  const Slot& slotOf(MaterialId id) const {
+    const Slot& slot = slotNamed(id.value);
+    LODEN_CHECK(!slot.texture);
+    return slot;
+  }
+  const Slot& slotOf(TextureId id) const {
+    const Slot& slot = slotNamed(id.value);
+    LODEN_CHECK(slot.texture);
+    return slot;
+  }
+  template <class Id>
+  uint32_t indexOf(Id id) const {
+    return static_cast<uint32_t>(&slotOf(id) - slots.data());
+  }
 
   void takeDeliveries();
   void pumpUploads();
@@ -122,14 +141,26 @@ struct MaterialSystem::Impl {
   void fail(PartRef ref, const Issue& issue) noexcept;
   void failForMemory(PartRef ref) noexcept;
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
+  Result<TextureId> loadTexture(const ImageTexture& image);
+  uint32_t addSlot(Slot made, std::vector<PartDesc> descs);
+  void unload(uint32_t index);
+  void demand(uint32_t index, float lambda);
+  std::vector<PartStats> partsOf(uint32_t index) const;
+  void create(Slot& slot);
+  void noLongerThere(PartRef ref) noexcept;
   void finishJob(UploadJob& job);
   void evict(PartRef ref);
   void request(PartRef ref);
+  void requestMips(PartRef ref);
   void publishActive();
   ResidentState residentState(uint32_t index) const;
   void countFrame();
   void publish(uint32_t index) {
-    relief_revision += slots[index].gpu.publish(residentState(index)) && hasRelief(slots[index].variant);
+    Slot& slot = slots[index];
+    if (slot.texture)
+      slot.texture->publish(residency.publishedLambda(index));
+    else
+      relief_revision += slot.gpu.publish(residentState(index)) && hasRelief(slot.variant);
   }
   bool current(const PartTicket& ticket) const {
     const Slot& slot = slots[ticket.ref.slot];
@@ -178,7 +209,7 @@ Result<MaterialId> MaterialSystem::load(std::shared_ptr<const ByteSource> source
   return withMemoryIssue(name, "this material", [&] { return impl_->load(std::move(source), name); });
 }
 
-// Nothing changes but at its end, from where on nothing is allocated.
+// Nothing changes but in addSlot().
 Result<MaterialId> MaterialSystem::Impl::load(std::shared_ptr<const ByteSource> source,
                                               const std::string& name) {
   if (lost)
@@ -199,16 +230,53 @@ Result<MaterialId> MaterialSystem::Impl::load(std::shared_ptr<const ByteSource> 
   std::vector<PartDesc> descs;
   for (const PartPlan& part : plan) descs.push_back(part.desc);
   Slot made;
-  made.alive = true;
   made.name = name;
   made.file = file;
   made.variant = *variant;
-  made.serials.assign(plan.size(), 0);
   made.leads.resize(plan.size());
   made.gpu = MaterialGpu(file->skeleton(), *variant, name, plan.size());
   made.plan = std::move(plan);
+  const uint32_t id = addSlot(std::move(made), std::move(descs));
+  ++stats.materials;
+  return MaterialId{id};
+}
+
+Result<TextureId> MaterialSystem::loadTexture(const ImageTexture& image) {
+  return withMemoryIssue(image.name, "this texture", [&] { return impl_->loadTexture(image); });
+}
+
+// Nothing changes but in addSlot().
+Result<TextureId> MaterialSystem::Impl::loadTexture(const ImageTexture& image) {
+  LODEN_CHECK(image.mips);
+  LODEN_CHECK_EQ(image.mips->mips, fullMipCount(image.mips->width, image.mips->height));
+  if (lost)
+    return Issue{issue_id::kGlContext, Severity::kError, image.name,
+                 "the context is lost: load textures after contextRestored()"};
+  Slot made;
+  made.name = image.name;
+  made.plan = planImageParts(*image.mips, isMipmapped(image), device->capabilities().max_texture_side);
+  std::vector<PartDesc> descs;
+  for (const PartPlan& part : made.plan) descs.push_back(part.desc);
+  made.texture.emplace(image, made.plan.size());
+  const uint32_t id = addSlot(std::move(made), std::move(descs));
+  ++stats.textures;
+  return TextureId{id};
+}
+
+// Its GL objects that are always there.
+void MaterialSystem::Impl::create(Slot& slot) {
+  if (slot.texture)
+    slot.texture->create();
+  else
+    slot.gpu.create(shared);
+}
+
+// Returns the value of its id. Nothing changes but at its end, from where on nothing is allocated.
+uint32_t MaterialSystem::Impl::addSlot(Slot made, std::vector<PartDesc> descs) {
+  made.alive = true;
+  made.serials.assign(made.plan.size(), 0);
   const GlPixelStateScope scope;
-  made.gpu.create(shared);
+  create(made);
   if (slots.size() == slots.capacity()) slots.reserve(2 * slots.size() + 1);
 
   const uint32_t index = residency.add(std::move(descs));
@@ -219,25 +287,40 @@ Result<MaterialId> MaterialSystem::Impl::load(std::shared_ptr<const ByteSource> 
   slot = std::move(made);
   publish(index);
   for (const PartPlan& part : slot.plan) stats.total_bytes += part.desc.bytes;
-  ++stats.materials;
-  return MaterialId{(slot.generation & 0xfffu) << kIndexBits | (index + 1)};
+  return (slot.generation & 0xfffu) << kIndexBits | (index + 1);
 }
 
 void MaterialSystem::unload(MaterialId id) {
-  Impl& impl = *impl_;
-  const uint32_t index = impl.indexOf(id);
-  Slot& slot = impl.slots[index];
-  for (uint32_t part = 0; part < slot.plan.size(); ++part) impl.loader.cancel({index, part});
-  std::erase_if(impl.uploads, [index](const UploadJob& job) { return job.ticket.ref.slot == index; });
+  impl_->unload(impl_->indexOf(id));
+  --impl_->stats.materials;
+}
+void MaterialSystem::unload(TextureId id) {
+  impl_->unload(impl_->indexOf(id));
+  --impl_->stats.textures;
+}
+
+void MaterialSystem::Impl::unload(uint32_t index) {
+  Slot& slot = slots[index];
+  for (uint32_t part = 0; part < slot.plan.size(); ++part) {
+    loader.cancel({index, part});
+    noLongerThere({index, part});
+  }
+  std::erase_if(uploads, [index](const UploadJob& job) { return job.ticket.ref.slot == index; });
   const auto of_slot = [index](const Demand& demand) { return demand.slot == index; };
-  std::erase_if(impl.demands, of_slot);
-  std::erase_if(impl.last_demands, of_slot);
-  impl.residency.remove(index);
-  for (const PartPlan& part : slot.plan) impl.stats.total_bytes -= part.desc.bytes;
-  --impl.stats.materials;
+  std::erase_if(demands, of_slot);
+  std::erase_if(last_demands, of_slot);
+  residency.remove(index);
+  for (const PartPlan& part : slot.plan) stats.total_bytes -= part.desc.bytes;
   const uint32_t generation = slot.generation + 1;
   slot = {};
   slot.generation = generation;
+}
+
+// Of a part that was requested, and counts from then on.
+void MaterialSystem::Impl::noLongerThere(PartRef ref) noexcept {
+  Slot& slot = slots[ref.slot];
+  if (slot.texture && slot.serials[ref.part] != 0) stats.texture_bytes -= slot.plan[ref.part].desc.bytes;
+  slot.serials[ref.part] = 0;
 }
 
 void MaterialSystem::setBudget(uint64_t bytes) {
@@ -258,6 +341,13 @@ void MaterialSystem::bind(MaterialId id) {
   impl_->slotOf(id).gpu.bind();
 }
 
+uint32_t MaterialSystem::textureName(TextureId id) const {
+  return impl_->slotOf(id).texture->name();
+}
+
+float MaterialSystem::residentLambda(TextureId id) const {
+  return impl_->residency.publishedLambda(impl_->indexOf(id));
+}
 float MaterialSystem::residentLambda(MaterialId id) const {
   return shownLambda(material(id), impl_->residency.publishedLambda(impl_->indexOf(id)));
 }
@@ -267,18 +357,28 @@ uint64_t MaterialSystem::reliefRevision() const {
 }
 
 std::vector<PartStats> MaterialSystem::parts(MaterialId id) const {
-  const uint32_t index = impl_->indexOf(id);
-  const std::vector<PartPlan>& plan = impl_->slots[index].plan;
+  return impl_->partsOf(impl_->indexOf(id));
+}
+std::vector<PartStats> MaterialSystem::parts(TextureId id) const {
+  return impl_->partsOf(impl_->indexOf(id));
+}
+std::vector<PartStats> MaterialSystem::Impl::partsOf(uint32_t index) const {
+  const std::vector<PartPlan>& plan = slots[index].plan;
   std::vector<PartStats> parts;
   for (uint32_t part = 0; part < plan.size(); ++part)
-    parts.push_back({partName(plan[part]), plan[part].desc.bytes, impl_->residency.resident({index, part})});
+    parts.push_back({partName(plan[part]), plan[part].desc.bytes, residency.resident({index, part})});
   return parts;
 }
 
 void MaterialSystem::demand(MaterialId id, float lambda) {
-  const uint32_t index = impl_->indexOf(id);
-  impl_->demands.push_back({index, lambda});
-  impl_->residency.demand(index, lambda);
+  impl_->demand(impl_->indexOf(id), lambda);
+}
+void MaterialSystem::demand(TextureId id, float lambda) {
+  impl_->demand(impl_->indexOf(id), lambda);
+}
+void MaterialSystem::Impl::demand(uint32_t index, float lambda) {
+  demands.push_back({index, lambda});
+  residency.demand(index, lambda);
 }
 
 void MaterialSystem::update(float seconds) {
@@ -321,10 +421,12 @@ void MaterialSystem::contextLost() {
   impl.shared.contextLost();
   for (Slot& slot : impl.slots) {
     slot.gpu.contextLost();
+    if (slot.texture) slot.texture->contextLost();
     std::fill(slot.serials.begin(), slot.serials.end(), 0);  // what is being read no longer counts
     std::fill(slot.leads.begin(), slot.leads.end(), nullptr);
   }
   impl.residency.dropAll();
+  impl.stats.texture_bytes = 0;
 }
 
 Status MaterialSystem::contextRestored() {
@@ -334,7 +436,7 @@ Status MaterialSystem::contextRestored() {
     impl.shared.create();
     for (uint32_t index = 0; index < impl.slots.size(); ++index) {
       if (!impl.slots[index].alive) continue;
-      impl.slots[index].gpu.create(impl.shared);
+      impl.create(impl.slots[index]);
       impl.publish(index);
     }
     impl.lost = false;
@@ -363,6 +465,7 @@ void MaterialSystem::Impl::takeDeliveries() {
 void MaterialSystem::Impl::fail(PartRef ref, const Issue& issue) noexcept {
   ++stats.failed_parts;
   if (issue.id == issue_id::kMemory) ++stats.failed_memory;
+  noLongerThere(ref);
   residency.failed(ref);
   try {
     device->log(
@@ -372,7 +475,7 @@ void MaterialSystem::Impl::fail(PartRef ref, const Issue& issue) noexcept {
 }
 
 void MaterialSystem::Impl::failForMemory(PartRef ref) noexcept {
-  fail(ref, memoryIssue(slots[ref.slot].name, "a part of this material"));
+  fail(ref, memoryIssue(slots[ref.slot].name, "a part of it"));
 }
 
 void MaterialSystem::Impl::pumpUploads() {
@@ -414,7 +517,9 @@ MaterialSystem::Impl::Pumped MaterialSystem::Impl::pumpJob(UploadJob& job, int64
 // False if there is no memory.
 bool MaterialSystem::Impl::allocateNext(UploadJob& job) {
   const PartTexture& next = job.part.textures[job.textures.size()];
-  GlTexture texture = allocateTexture(next, slots[job.ticket.ref.slot].name + " " + next.label);
+  const Slot& slot = slots[job.ticket.ref.slot];
+  GlTexture texture = allocateTexture(
+      next, slot.name + " " + (slot.texture ? partName(slot.plan[job.ticket.ref.part]) : next.label));
   if (!texture) return false;
   job.textures.push_back(std::move(texture));
   job.upload = {};
@@ -423,17 +528,26 @@ bool MaterialSystem::Impl::allocateNext(UploadJob& job) {
 
 void MaterialSystem::Impl::finishJob(UploadJob& job) {
   Slot& slot = slots[job.ticket.ref.slot];
-  slot.gpu.setPart(job.ticket.ref.part, std::move(job.textures), job.part);
-  slot.leads[job.ticket.ref.part] = std::move(job.part.lead);
+  const uint32_t part = job.ticket.ref.part;
+  if (slot.texture) {
+    slot.texture->setPart(part, std::move(job.textures.front()), job.part.textures.front());
+  } else {
+    slot.gpu.setPart(part, std::move(job.textures), job.part);
+    slot.leads[part] = std::move(job.part.lead);
+  }
   residency.arrived(job.ticket.ref);
 }
 
 void MaterialSystem::Impl::evict(PartRef ref) {
   Slot& slot = slots[ref.slot];
-  slot.serials[ref.part] = 0;
-  slot.gpu.dropPart(ref.part);
-  slot.leads[ref.part].reset();
-  loader.cancel(ref);
+  noLongerThere(ref);
+  if (slot.texture) {
+    slot.texture->dropPart(ref.part);
+  } else {
+    slot.gpu.dropPart(ref.part);
+    slot.leads[ref.part].reset();
+    loader.cancel(ref);
+  }
   std::erase_if(uploads, [ref](const UploadJob& job) { return job.ticket.ref == ref; });
   ++stats.evicted_parts;
 }
@@ -442,12 +556,27 @@ void MaterialSystem::Impl::request(PartRef ref) {
   Slot& slot = slots[ref.slot];
   slot.serials[ref.part] = next_serial++;
   const PartPlan& plan = slot.plan[ref.part];
+  if (slot.texture) return requestMips(ref);
   std::shared_ptr<const Material> lead;
   for (uint32_t part = 0; part < ref.part; ++part)
     if (slot.plan[part].kind == plan.kind && slot.plan[part].band == plan.band)
       lead = std::exchange(slot.leads[part], {});
   try {
     loader.request({{ref, slot.serials[ref.part]}, slot.file, plan, std::move(lead), options.atlas_threads});
+  } catch (const std::bad_alloc&) {
+    failForMemory(ref);
+  }
+}
+
+// They are in memory, and go straight to the uploads.
+void MaterialSystem::Impl::requestMips(PartRef ref) {
+  Slot& slot = slots[ref.slot];
+  const PartPlan& plan = slot.plan[ref.part];
+  stats.texture_bytes += plan.desc.bytes;
+  try {
+    UploadJob job{{ref, slot.serials[ref.part]}, {}, {}, {}};
+    job.part.textures.push_back(imagePart(slot.texture->image(), plan));
+    uploads.push_back(std::move(job));
   } catch (const std::bad_alloc&) {
     failForMemory(ref);
   }

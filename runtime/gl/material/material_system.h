@@ -1,6 +1,7 @@
 // The material system: opens assets, streams their parts to the GPU and evicts them under a byte budget, and
-// binds them for shaders/loden_material.glsl. The calls of one frame are
-//   demand() for each visible material, update(), then bind() before its draws.
+// binds them for shaders/loden_material.glsl. It streams textures of the engine's own within the same budget.
+// The calls of one frame are
+//   demand() for each visible material and texture, update(), then bind() before a material's draws.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include "material/base/result.h"
 #include "material/eval/evaluate.h"
 #include "runtime/gl/device.h"
+#include "runtime/stream/image_texture.h"
 #include "runtime/stream/shader_variants.h"
 
 namespace loden::runtime {
@@ -24,6 +26,12 @@ struct MaterialId {
   uint32_t value = 0;
   explicit operator bool() const { return value != 0; }
   friend bool operator==(MaterialId, MaterialId) = default;
+};
+// The same for a texture.
+struct TextureId {
+  uint32_t value = 0;
+  explicit operator bool() const { return value != 0; }
+  friend bool operator==(TextureId, TextureId) = default;
 };
 
 struct MaterialSystemOptions {
@@ -50,13 +58,14 @@ struct MaterialSystemOptions {
   int atlas_threads = 1;  // threads that build one VDIM atlas, besides the loading thread
 };
 
-// Numbers for a report. Bytes are those of the asset parts, as texel data.
+// Numbers for a report. Bytes are those of the parts of materials and textures, as texel data.
 struct MaterialStats {
-  int materials = 0;
+  int materials = 0, textures = 0;
   int parts_resident = 0, parts_in_flight = 0;
   uint64_t resident_bytes = 0;  // GPU memory, parts in flight included
+  uint64_t texture_bytes = 0;   // of resident_bytes, those of textures
   uint64_t peak_bytes = 0;      // largest resident_bytes of any frame
-  uint64_t total_bytes = 0;     // what all parts of all materials would take
+  uint64_t total_bytes = 0;     // what all parts of all materials and textures would take
   uint64_t read_bytes = 0;      // read from files since the start
   uint64_t uploaded_bytes = 0;  // uploaded since the start
   uint64_t uploaded_last_frame = 0;
@@ -66,9 +75,9 @@ struct MaterialStats {
   uint64_t failed_memory = 0;  // of the failed parts, those for which there was no memory
 };
 
-// One streamable part of a material.
+// One streamable part of a material or a texture.
 struct PartStats {
-  std::string name;    // "band 0", "geometry", "near term" ...
+  std::string name;    // "band 0", "geometry", "near term", "mips from 2 on" ...
   uint64_t bytes = 0;  // size on the GPU
   bool resident = false;
 };
@@ -89,6 +98,10 @@ class MaterialSystem {
   Result<MaterialId> load(std::shared_ptr<const ByteSource> source, const std::string& name);
   Result<MaterialId> load(const std::filesystem::path& path);
   void unload(MaterialId id);
+  // Takes a texture, which is then streamed like a material: mip by mip, as demand() asks. Issues:
+  // kGlContext, kMemory. After an issue everything is as it was.
+  Result<TextureId> loadTexture(const ImageTexture& image);
+  void unload(TextureId id);
   // Sets budget_bytes from the next update() on, which evicts what no longer fits.
   void setBudget(uint64_t bytes);
 
@@ -101,6 +114,8 @@ class MaterialSystem {
   // Says that a visible surface needs this material at `lambda` or coarser in this frame; of several calls
   // the smallest lambda counts. May throw std::bad_alloc, and then has no effect.
   void demand(MaterialId id, float lambda);
+  // The same for a texture: `lambda` is the finest of the image's mips that a pixel reads.
+  void demand(TextureId id, float lambda);
   // Does the work of one frame, without waiting: takes what the loading threads delivered, uploads within the
   // bound, evicts, advances fades, and requests more. Call it once per frame; `seconds` is the time since the
   // last call. A part for which there is no memory becomes a failed part.
@@ -113,8 +128,12 @@ class MaterialSystem {
   // unitsOf(variant(id)) texture units from MaterialSystemOptions::first_unit on. This is the only call that
   // leaves GL state changed.
   void bind(MaterialId id);
+  // The GL name of a GL_TEXTURE_2D that shows the resident mips of the texture; it sets the sampling too, so
+  // that no sampler must be bound. Valid until the next call of update(), finishLoading() or unload().
+  uint32_t textureName(TextureId id) const;
   // The smallest lambda that the shader will use; finer detail is not resident.
   float residentLambda(MaterialId id) const;
+  float residentLambda(TextureId id) const;
 
   // A number that changes whenever what a material with relief shows changes, which is when parts arrive, are
   // evicted or fade. A depth map drawn with its relief is out of date then.
@@ -128,8 +147,9 @@ class MaterialSystem {
   Status contextRestored();
 
   const MaterialStats& stats() const;
-  // The material's parts in the order in which they are loaded.
+  // The parts in the order in which they are loaded.
   std::vector<PartStats> parts(MaterialId id) const;
+  std::vector<PartStats> parts(TextureId id) const;
 
  private:
   struct Impl;

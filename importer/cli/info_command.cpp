@@ -164,6 +164,10 @@ std::string cookedText(const std::string& meta_text) {
             formatted(", fades over lambda %g to %g", fade->at(0).get<double>(), fade->at(1).get<double>());
       text += "\n";
     }
+    for (const Json& trial : meta.value("chroma", Json::array()))
+      text += formatted("%d quads of the band for chroma: RMSE of RGB %.4f at lambda 1 to 3%s\n",
+                        trial.at("quads").get<int>(), trial.at("rmse_rgb").get<double>(),
+                        trial.at("kept").get<bool>() ? "" : ", not kept");
     for (const Json& level : meta.value("levels", Json::array())) {
       text += formatted("lambda %d: RMSE of RGB", level.at("level").get<int>());
       if (const auto near = level.find("near_rmse_rgb"); near != level.end())

@@ -31,8 +31,6 @@ Status checkOptions(const CookOptions& o) {
     return refuse("near", "has a meaning in mode fused only");
   if (o.visibility && !near && o.mode != Mode::kSurface)
     return refuse("visibility", "has a meaning with a near term only");
-  if (near && chroma)
-    return refuse("components", "has no CB and CR with a near term: its colour is the surface's own");
   if (o.cb_components != o.cr_components)
     return refuse("components", "CB and CR must be equal: they share quads of the tables");
   if ((o.y_components + 3) / 4 + (o.cb_components + 1) / 2 > ShaderLimits::kMaxQuads)

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <optional>
 #include <utility>
@@ -106,31 +107,41 @@ Band fitFlatBand(const FusedInput& in, const YccBtf& btf, const Indirection& a, 
   return band;
 }
 
-// Chroma ratios of the coarse band, each level fitted to its own averages: a mean of ratios is not the ratio
-// of means.
-std::vector<std::vector<glm::dvec2>> levelRatios(const FusedInput& in, const YccBtf& half, Factors luma) {
-  std::vector<std::vector<glm::dvec2>> ratios;
-  std::optional<YccBtf> coarser;
-  for (const YccBtf* level = &half;; level = &*coarser) {
-    const Indirection straight = identityIndirection(level->texels(), level->views());
-    ratios.push_back(fitRatios(*level, wholeLuma(*level, luma, in.mean, straight), in.material.mean, straight,
-                               in.threads));
-    if (level->side() == 1) return ratios;
+// Fits the chroma of the coarse band to the luma that results. Ratios are fitted to each level's own
+// averages: a mean of ratios is not the ratio of means. Components hold what the ratios leave.
+void fitCoarseChroma(const FusedInput& in, const YccBtf& half, Factors luma, const CoarseFitOptions& options,
+                     BandFactors& factors) {
+  std::deque<YccBtf> coarser;  // keep what the blocks read
+  std::deque<Factors> lumas;
+  std::deque<Indirection> straights;
+  std::vector<ColumnBlocks> rest[2];  // of Cb and Cr, by level
+  for (const YccBtf* level = &half;; level = &coarser.back()) {
+    const Indirection& straight =
+        straights.emplace_back(identityIndirection(level->texels(), level->views()));
+    const ColumnBlocks whole = wholeLuma(*level, lumas.emplace_back(luma), in.mean, straight);
+    factors.ratio.push_back(fitRatios(*level, whole, in.material.mean, straight, in.threads));
+    for (int c = 0; c < 2; ++c)
+      rest[c].push_back(ratioResidual(*level, c + 1, whole, factors.ratio.back(), straight));
+    if (level->side() == 1) break;
     luma.weights = downsample(luma.weights, level->side(), BoxFilter::k2x2);
-    coarser = downsample(*level, BoxFilter::k2x2, in.threads);
+    coarser.push_back(downsample(*level, BoxFilter::k2x2, in.threads));
   }
+  if (options.chroma_components == 0) return;
+  const DirectionSet &lights = in.source.lights(), &views = in.source.views();
+  factors.cb = fitCoarseChroma(rest[0], half.side(), lights, views, options);
+  factors.cr = fitCoarseChroma(rest[1], half.side(), lights, views, options);
 }
 
 // The coarse band: apparent reflectance over the reference plane, from lambda 1 to the full average; `half`
 // the BTF of half the side.
 Band fitCoarseBand(const FusedInput& in, const FusedPlan& plan, const YccBtf& half) {
   const DirectionSet &lights = in.source.lights(), &views = in.source.views();
-  const CoarseFitOptions fit{plan.coarse_y, averageGrid(in.means, in.mean, lights, views, plan.coarse_phis),
-                             in.threads};
+  const CoarseFitOptions fit{plan.coarse_y, plan.coarse_chroma.value_or(0),
+                             averageGrid(in.means, in.mean, lights, views, plan.coarse_phis), in.threads};
   BandFactors factors = fitCoarse(half, lights, views, in.mean, fit);
   const Matrix sample_lights = gridSampling(fit.grid, lights), sample_views = gridSampling(fit.grid, views);
   const Factors at_samples{factors.y.weights, mapTables(factors.y.basis, sample_lights, sample_views)};
-  factors.ratio = levelRatios(in, half, at_samples);
+  fitCoarseChroma(in, half, at_samples, fit, factors);
   const int mips = coarseMips(plan, half.side());
   Band band = packBand(factors, lights, views, {TableLayout::kGrid, Storage::kSnorm8, fit.grid, mips, 0});
   band.lambda_first = kCoarseFirst;
@@ -161,9 +172,32 @@ constexpr int kErrorPoints = 2;       // evaluations per side of a texel
 // The default lookup towards the light takes up to twice the fetches of the fast one: it has to leave no more
 // than this share of the error.
 constexpr double kDefaultGain = 0.975;
+// A quad of the coarse band holds chroma in place of Y if that leaves no more than this share of the error.
+constexpr double kChromaGain = 0.95;
 
 void advance(Progress* progress, uint64_t steps) {
   if (progress) progress->advance(steps);
+}
+
+// The coarse band that takes over from the near term, and its levels. Without a number in the plan, quads
+// hold chroma in place of Y for as long as each brings what is shown clearly closer.
+void fitCoarseLevels(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const YccBtf& half,
+                     const YccBtf& bounded) {
+  const int quads = (plan.coarse_y + 3) / 4, most = plan.coarse_chroma ? 0 : quads - 1;
+  for (int chroma = 0; chroma <= most; ++chroma) {
+    FusedPlan tried = plan;
+    if (chroma > 0) tried.coarse_y = 4 * (quads - chroma), tried.coarse_chroma = 2 * chroma;
+    Material m = fit.material;
+    m.bands = {fitCoarseBand(in, tried, bounded)};
+    m.bands.back().window = {};
+    m.lambda_max = coarsestLevelOf(m);
+    std::vector<LevelTrial> levels = chooseLevels(m, half, in.source.lights(), in.source.views(), in.threads);
+    const double rmse = shownRmse(m, levels);
+    const bool closer = chroma == 0 || rmse < kChromaGain * fit.chroma.back().rmse_rgb;
+    if (most > 0) fit.chroma.push_back({chroma, rmse, closer});
+    if (!closer) break;
+    fit.material = std::move(m), fit.levels = std::move(levels);
+  }
 }
 
 // A near term and the coarse band that takes over from it. `bounded`: the BTF at half the side, up to
@@ -187,12 +221,8 @@ void fitNear(FusedFit& fit, const FusedInput& in, const FusedPlan& plan, const B
   }
   advance(progress, 2);
   if (near.with_bands) {
-    m.bands.push_back(fitCoarseBand(in, plan, bounded));
-    m.bands.back().window = {};
-    advance(progress, 3);
-    m.lambda_max = coarsestLevelOf(m);
-    fit.levels = chooseLevels(m, btf.half, in.source.lights(), in.source.views(), in.threads);
-    advance(progress, 2);
+    fitCoarseLevels(fit, in, plan, btf.half, bounded);
+    advance(progress, 5);
   }
   fit.near_at_centres = measure(1);
   // The frugal lookup, unless another is clearly better with one evaluation, as pictures have it.
@@ -295,7 +325,7 @@ uint64_t fusedBytes(const FusedPlan& plan, int side, int geometry_side) {
   };
   const int flat_side = flatSide(plan, side);
   const int fine_quads = (plan.y_components + 3) / 4 + (plan.chroma_components + 1) / 2,
-            coarse_quads = (plan.coarse_y + 3) / 4;
+            coarse_quads = (plan.coarse_y + 3) / 4 + (plan.coarse_chroma.value_or(0) + 1) / 2;
   uint64_t bytes =
       textureBytes(TexelFormat::kRGBA16Unorm, uint64_t(geometry_side), uint64_t(geometry_side), 1, 1);
   if (plan.surface_side > 0) {
@@ -327,6 +357,7 @@ FusedPlan presetPlan(const CookOptions& options, const BakedSurface& surface) {
     plan.visibility = options.visibility;
     plan.bounces = surface.bounces;
     if (options.y_components) plan.coarse_y = options.y_components;
+    if (options.y_components || options.cb_components) plan.coarse_chroma = options.cb_components;
   }
   if (options.y_components) plan.y_components = options.y_components;
   plan.chroma_components = options.cb_components;

@@ -34,6 +34,10 @@ struct FusedPlan {
   int phis = 11;          // flat-domain band: columns of the direction grid, including the repeated one
   // Y components of the reference-domain band; 0: no such band (nothing at lambda 0 reads it).
   int coarse_y = 20;
+  // Reference-domain band: Cb and Cr components each, for what a ratio to Y does not give, such as metal and
+  // coloured cloth in one texel. Empty, with a near term: as many quads hold chroma in place of Y as bring
+  // what is shown closest (chooseLevels); without one: none.
+  std::optional<int> coarse_chroma = {};
   int coarse_phis = 18;  // reference-domain band: most columns of the direction grid; see averageGrid
   // Number of finest levels to keep: 1 is the flat-domain band alone; 0: all, down to the full average.
   int levels = 0;
@@ -53,6 +57,13 @@ struct IndirectTrial {
   double with = 0, without = 0;
 };
 
+// What is shown at lambda 1 to 3 with so many quads of the coarse band for chroma in place of Y.
+struct ChromaTrial {
+  int chroma_quads = 0;
+  double rmse_rgb = 0;  // shownRmse
+  bool closer = true;   // clearly, than with one quad less; the last that is closer is kept
+};
+
 struct FusedFit {
   Material material;
   // The error at lambda 0 and the sampled directions through the shader's default look-up. With a near term
@@ -62,7 +73,8 @@ struct FusedFit {
   std::optional<SampledError> near, near_at_centres;
   std::optional<IndirectTrial> indirect;  // if the plan has bounces
   std::vector<LevelTrial> levels;         // the measurements by which it was chosen what shows each level
-  std::vector<AtlasTrial> atlases;        // the atlases that were measured, if the plan names none
+  std::vector<ChromaTrial> chroma;  // the numbers of chroma quads that were measured, if the plan names none
+  std::vector<AtlasTrial> atlases;  // the atlases that were measured, if the plan names none
 };
 
 // Fit plans without and with a near term. `geometry` is already at plan.geometry_side. Deterministic at any

@@ -7,7 +7,6 @@
 
 #include "importer/base/parallel.h"
 #include "importer/base/random.h"
-#include "material/base/check.h"
 #include "material/eval/evaluate.h"
 #include "material/model/color.h"
 #include "material/system/threads.h"
@@ -47,7 +46,7 @@ struct Candidates {
     Material bands_of = material;
     bands_of.surface.reset();
     bands_of.geometry = {};
-    const int quads = material.bands.back().y_quads;
+    const int quads = material.bands.back().quads();
     for (int count = 1; count <= quads; ++count) {
       std::vector<QuadLevels>& levels = bands_of.bands.back().quad_levels;
       std::fill(levels.begin(), levels.begin() + count, QuadLevels{});
@@ -165,7 +164,6 @@ void chooseQuads(Band& band, const std::vector<LevelTrial>& trials, const Surfac
 std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& half, const DirectionSet& lights,
                                      const DirectionSet& views, int threads) {
   Band& coarsest = material.bands.back();
-  LODEN_CHECK_EQ(coarsest.chroma_quads, 0);
   const Candidates candidates(material, threads);
   std::vector<LevelTrial> trials;
   std::optional<YccBtf> coarse;
@@ -182,6 +180,13 @@ std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& half, con
   if (maps) chooseFade(*maps, trials, material.lambda_max);
   if (!trials.empty()) chooseQuads(coarsest, trials, maps);
   return trials;
+}
+
+double shownRmse(const Material& material, const std::vector<LevelTrial>& trials) {
+  // Without a near term its weight is 0 from the first level on.
+  Window window{-1, 0};
+  if (material.surface) window = {double(material.surface->fade_begin), double(material.surface->fade_end)};
+  return trials.empty() ? 0 : std::exp(errorOf(window, trials));
 }
 
 }  // namespace loden::importer

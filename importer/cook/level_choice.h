@@ -28,7 +28,7 @@ struct LevelTrial {
   }
 };
 
-// Chooses the levels of a material with bands, of which the coarsest has no chroma quads, in two steps:
+// Chooses the levels of a material with bands, in two steps:
 // - With surface maps it sets fade_begin and fade_end. The errors of near term and bands differ, so that a
 //   blend is closer than either alone, but costs as much as both. Of the windows whose mean error over lambda
 //   1 to 3 is at most kFadeLoss above the least, it takes the narrowest. Every window leaves the near term
@@ -44,5 +44,9 @@ inline constexpr double kBlendLoss = 0.03;
 inline constexpr double kQuadFloor = 0.0175;  // root mean square, white = 1: 35 dB
 std::vector<LevelTrial> chooseLevels(Material& material, const YccBtf& half, const DirectionSet& lights,
                                      const DirectionSet& views, int threads);
+
+// The geometric mean of the root mean square errors of what a material shows from lambda 1 to 3, with all
+// quads; `trials` is what chooseLevels returned for it.
+double shownRmse(const Material& material, const std::vector<LevelTrial>& trials);
 
 }  // namespace loden::importer

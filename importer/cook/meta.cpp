@@ -120,6 +120,10 @@ std::string cookMeta(const Material& material, const std::string& input, const s
     if (fit && fit->indirect)
       meta["near"]["indirect_rmse_y"] = {{"with", fit->indirect->with}, {"without", fit->indirect->without}};
     if (fit && !fit->levels.empty()) meta["near"]["fade"] = {maps.fade_begin, maps.fade_end};
+    if (fit)
+      for (const ChromaTrial& trial : fit->chroma)
+        meta["chroma"].push_back(
+            {{"quads", trial.chroma_quads}, {"rmse_rgb", trial.rmse_rgb}, {"kept", trial.closer}});
   }
   if (fit)
     for (const LevelTrial& trial : fit->levels) {

@@ -33,7 +33,25 @@ double levelScale(int finest, int coarse) {
   return ratio * std::pow(kGrowth, std::log2(ratio) / 2);
 }
 
-// All levels below each other, each times its levelScale.
+// The given levels below each other, from the one of `side` texels on, each times its levelScale.
+ColumnBlocks stacked(const std::vector<ColumnBlocks>& levels, int side) {
+  int rows = 0;
+  for (const ColumnBlocks& level : levels) rows += level.rows;
+  const ColumnBlocks& finest = levels.front();
+  return {rows, finest.blocks, finest.block_cols, [levels, side, rows](int v, Matrix& into) {
+            Matrix block;
+            into = Matrix(rows, levels.front().block_cols);
+            int row = 0;
+            for (const ColumnBlocks& level : levels) {
+              level.read(v, block);
+              const int coarse = static_cast<int>(std::lround(std::sqrt(double(level.rows))));
+              eigen(into).middleRows(row, level.rows) = levelScale(side, coarse) * eigen(block);
+              row += level.rows;
+            }
+          }};
+}
+
+// All levels, which are means of the finest, below each other in the same way.
 ColumnBlocks stackedLevels(const ColumnBlocks& finest, int side) {
   const std::vector<int> sides = levelSides(side);
   int rows = 0;
@@ -121,6 +139,16 @@ Eigen::MatrixXd gridProjection(const DirectionGrid& grid, const DirectionSet& se
 }
 
 }  // namespace
+
+Factors fitCoarseChroma(const std::vector<ColumnBlocks>& levels, int side, const DirectionSet& lights,
+                        const DirectionSet& views, const CoarseFitOptions& options) {
+  const ColumnBlocks all = stacked(levels, side);
+  const Matrix basis = leadingFactors(all, options.chroma_components, options.threads).basis;
+  const Matrix weights = projected(levels.front(), basis);
+  const Indirection straight = identityIndirection(all.rows, all.blocks);
+  return {weights, solveGridBasis(all, straight, stackedLevels(weights, side), options.grid, lights, views,
+                                  options.threads)};
+}
 
 DirectionGrid averageGrid(const Matrix& means, const Matrix& mean, const DirectionSet& lights,
                           const DirectionSet& views, int phis) {

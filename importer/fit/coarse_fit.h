@@ -8,7 +8,8 @@
 namespace loden::importer {
 
 struct CoarseFitOptions {
-  int y_components = 20;  // number of Y components, of which the first holds the average
+  int y_components = 20;      // number of Y components, of which the first holds the average
+  int chroma_components = 0;  // number of Cb and of Cr components each, in fitCoarseChroma
   DirectionGrid grid;
   int threads = 0;
 };
@@ -20,6 +21,12 @@ struct CoarseFitOptions {
 // `mean`: the value to subtract, (views * lights) x 3.
 BandFactors fitCoarse(const YccBtf& half, const DirectionSet& lights, const DirectionSet& views,
                       const Matrix& mean, const CoarseFitOptions& options);
+
+// Factors of what ratios leave of one channel of chroma. `levels`: what they leave at each level, from the
+// one of `side` texels down to a single texel; the ratios of a level are its own, so that a level is not the
+// mean of the finer one. The weights of a level are. No component is kept for the average.
+Factors fitCoarseChroma(const std::vector<ColumnBlocks>& levels, int side, const DirectionSet& lights,
+                        const DirectionSet& views, const CoarseFitOptions& options);
 
 // The grid of at most `phis` columns that gives the full average best. At the full average all components but
 // the first have weight zero, so that a coarse band's error is the error of this one table. It depends on

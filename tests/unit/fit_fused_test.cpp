@@ -15,6 +15,7 @@
 #include "importer/fit/reduction.h"
 #include "material/base/issues.h"
 #include "material/eval/evaluate.h"
+#include "material/model/leading_part.h"
 #include "tests/unit/fit_synthetic.h"
 
 namespace loden::importer {
@@ -117,6 +118,55 @@ TEST(Fused, CoarseLevelsNeedTheFirstQuad) {
   }
   EXPECT_GT(squares[2], 0);
   for (size_t later = 3; later < 11; ++later) EXPECT_LE(squares[later], squares[2]) << later;
+}
+
+// Yellow highlights on blue cloth, each with its own pattern; `yellow` is the colour of the highlights.
+SyntheticSource shinyCloth(const glm::dvec3& yellow) {
+  return {kSide, bonn81Directions(), [yellow](glm::dvec2 x, const glm::dvec3& wi, const glm::dvec3& wo) {
+            const double shine = std::pow(glm::normalize(wi + wo).z, 12);
+            return wi.z * (glm::dvec3(0.1, 0.15, 0.4) * wave(x) + yellow * shine * (1.2 - wave(x)));
+          }};
+}
+
+FusedFit nearFit(const SyntheticSource& source, std::optional<int> coarse_chroma) {
+  BakedSurface surface;
+  surface.side = kSide;
+  surface.maps.normal.assign(kSide * kSide, glm::vec3(0, 0, 1));
+  surface.maps.diffuse.assign(kSide * kSide, glm::vec3(0.3f));
+  surface.maps.specular.assign(kSide * kSide, glm::vec2(0, 1));
+  FusedPlan plan;
+  plan.surface_side = kSide;
+  plan.visibility = Visibility::kNone;
+  plan.coarse_y = coarse_chroma ? 12 - 2 * *coarse_chroma : 12;
+  plan.coarse_chroma = coarse_chroma;
+  return fitFusedNear(source, *loadHalved(source, 1000, 0), surface, sunkenPlane(16), plan, 0);
+}
+
+// One ratio of chroma to luma per texel cannot give cloth and highlights of different colours. Quads hold
+// chroma in place of luma where that is closer, at the same bytes, and none where all is of one colour.
+TEST(Fused, QuadsHoldChromaWhereOneRatioDoesNotDo) {
+  const SyntheticSource two_colors = shinyCloth({0.6, 0.4, 0.1}), one_color = shinyCloth({0.2, 0.3, 0.8});
+  const FusedFit chosen = nearFit(two_colors, {}), ratios = nearFit(two_colors, 0);
+  const Band& band = chosen.material.bands.back();
+  EXPECT_GT(band.chroma_quads, 0);
+  EXPECT_EQ(band.quads(), 3);
+  EXPECT_EQ(rawFileBytes(chosen.material), rawFileBytes(ratios.material));
+  for (size_t level = 0; level + 1 < chosen.levels.size(); ++level)
+    EXPECT_LT(chosen.levels[level].bands_mse(), 0.2 * ratios.levels[level].bands_mse()) << level + 1;
+  const FusedFit plain = nearFit(one_color, {});
+  EXPECT_EQ(plain.material.bands.back().chroma_quads, 0);
+  EXPECT_EQ(plain.material.bands.back().weights.data,
+            nearFit(one_color, 0).material.bands.back().weights.data);
+}
+
+// A plan may name the components of chroma; the leading part has none.
+TEST(Fused, PlansMayNameChroma) {
+  const FusedFit fit = nearFit(shinyCloth({0.6, 0.4, 0.1}), 4);
+  const Band& band = fit.material.bands.back();
+  EXPECT_EQ(band.y_quads, 1);
+  EXPECT_EQ(band.chroma_quads, 2);
+  EXPECT_TRUE(fit.chroma.empty());
+  EXPECT_EQ(leadOf(band).chroma_quads, 0);
 }
 
 // No step above one 8-bit code of white for a lambda change of 0.01; and the far end is the exact average.

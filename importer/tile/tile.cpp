@@ -69,6 +69,27 @@ void dropEmptyTriangles(Tile& tile) {
   tile.charts.resize(kept);
 }
 
+// Without vertices of no triangle: where they lie means nothing.
+void dropUnusedVertices(Tile& tile) {
+  std::vector<uint8_t> used(tile.positions.size(), 0);
+  for (const glm::uvec3& t : tile.triangles)
+    for (int k = 0; k < 3; ++k) used[t[k]] = 1;
+  std::vector<uint32_t> vertex_of(used.size());
+  uint32_t kept = 0;
+  for (size_t v = 0; v < used.size(); ++v)
+    if (used[v]) vertex_of[v] = kept++;
+  const auto compact = [&](auto& stream) {
+    if (stream.empty()) return;
+    for (size_t v = 0; v < used.size(); ++v)
+      if (used[v]) stream[vertex_of[v]] = stream[v];
+    stream.resize(kept);
+  };
+  compact(tile.positions), compact(tile.normals), compact(tile.params), compact(tile.brdfs);
+  compact(tile.texture_points);
+  for (glm::uvec3& t : tile.triangles)
+    for (int k = 0; k < 3; ++k) t[k] = vertex_of[t[k]];
+}
+
 }  // namespace
 
 glm::dvec3 Tile::perLength() const {
@@ -82,9 +103,9 @@ Result<Tile> finishTile(Tile tile, const std::string& where) {
   if (tile.triangles.empty())
     return Issue{issue_id::kTileGeometry, Severity::kError, where,
                  "all triangles are degenerate: their corners lie on lines"};
-  double top = tile.positions[tile.triangles[0].x].z;
-  for (const glm::uvec3& t : tile.triangles)
-    for (int k = 0; k < 3; ++k) top = std::max(top, tile.positions[t[k]].z);
+  dropUnusedVertices(tile);
+  double top = tile.positions[0].z;
+  for (const glm::dvec3& position : tile.positions) top = std::max(top, position.z);
   for (glm::dvec3& position : tile.positions) position.z -= top;
   return tile;
 }

@@ -375,6 +375,19 @@ TEST_P(Parameterization, IsBijectiveAndEven) {
   EXPECT_LT(made->quality.area_p95, 1.3);
 }
 
+// They would stretch the box that rays are traced in.
+TEST(TileObj, DropsVerticesOfNoTriangle) {
+  const TemporaryFolder folder;
+  const std::string grid = objGrid(6, kFlat, kSame);
+  const auto expected = loadTile(folder.write("grid.obj", grid).string());
+  const auto tile = loadTile(folder.write("more.obj", grid + "v 40 1 7\nv 1 1 -300\n").string());
+  ASSERT_TRUE(expected.ok() && tile.ok());
+  EXPECT_EQ(tile->positions, expected->positions);
+  EXPECT_EQ(tile->triangles, expected->triangles);
+  EXPECT_EQ(tile->normals.size(), tile->positions.size());
+  EXPECT_EQ(tile->params, expected->params);
+}
+
 TEST(ParameterizeTorus, RefusesWhatIsNoTorus) {
   const Tile tile = *builtinTile("sponge", 16);
   const auto refusalOf = [&](const std::function<void(std::vector<glm::uvec3>&)>& change) {

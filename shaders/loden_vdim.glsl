@@ -55,7 +55,6 @@ const float LODEN_REACH = 3.0;               // texels that one visit may move b
 const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
 const int LODEN_EACH = 6;                    // visits for each candidate depth
 const int LODEN_BENT_EACH = 6;               // the same of a bent ray, whose direction changes on the way
-const int LODEN_UPHILL = 3;                  // visits for the blended depth where its first patch faces away
 const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
 const float LODEN_MARGIN = 15.5 / 255.0;     // of the depth range
@@ -232,7 +231,7 @@ vec2 loden_parameter_near(vec2 point, float z) {
   float slice = clamp(z / -loden_material.geometry_range.z * size.z, 0.0, size.z - 0.5);
   LODEN_COUNT(LODEN_UNIT_VDIM_VOLUME, 1);
   vec2 d = texelFetch(loden_vdim_volume, ivec3(min(vec3(wrapped * size.xy, slice), size - 1.0)), 0).xy;
-  return point + d * 0.5;
+  return point + d - 128.0 / 255.0;
 #endif
 }
 
@@ -308,7 +307,8 @@ LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
   float a = c1 > 0.0 ? -2.0 * c0 / (c1 + root) : (root - c1) / (abs(c2) > 1e-20 ? 2.0 * c2 : 1e-20);
   bool faces = c1 > 0.0 || (square > 0.0 && abs(a - ab.x) < LODEN_REACH);
   // A patch that faces away is of the underside of a fold: what the ray may meet there is uphill.
-  vec2 uphill = LODEN_REACH * sign(vec2(patch_.p10.z, patch_.p01.z) - patch_.p00.z);
+  vec2 rise = vec2(patch_.p10.z, patch_.p01.z) - patch_.p00.z;
+  vec2 uphill = rise * (LODEN_REACH / max(max(abs(rise.x), abs(rise.y)), 1e-9));
   a = ab.x + (faces ? clamp(a - ab.x, -LODEN_REACH, LODEN_REACH) : uphill.x);
   vec2 from = q00 + q10 * a, along = q01 + q11 * a;
   float b = -dot(from, along) / max(dot(along, along), 1e-20);
@@ -514,16 +514,23 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
       found.miss = 1e8;
     }
     int left = effort.visits, again = each;
+    bool folded = false;
+    vec2 last = vec2(0.0);  // step
     do {
       LodenVisit visit = loden_visit(ray, h, p);
       bool nearer = visit.miss < found.miss;
       found.p = nearer ? visit.p : found.p;
       found.h = nearer ? visit.h : found.h;
       found.miss = min(visit.miss, found.miss);
-      bool retried = again == each && below == 1.0;  // of the blended depth, and only once
-      again = visit.miss <= LODEN_ABSENT ? again - 1 : (retried ? LODEN_UPHILL : 0);
+      // The blended depth's search goes on, once, from a patch that faces away, and then by steps that are
+      // half as long where they lead back over the fold.
+      bool away = visit.miss > LODEN_ABSENT;
+      again = away && (folded || below < 1.0) ? 0 : again - 1;
+      folded = folded || away;
+      vec2 step_ = visit.p - p;
+      last = step_ * (folded && dot(step_, last) < 0.0 ? 0.5 : 1.0);
+      p = p + last;
       h = visit.h;
-      p = visit.p;
       float next = loden_highest_below(depths, layers, below);
       left = found.miss <= effort.inside || (again == 0 && next < LODEN_NONE) ? 0 : left - 1;
       if (again == 0) {
@@ -531,6 +538,8 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
         below = next - LODEN_SEPARATION * depth;
         p = loden_parameter_near(ray.x + loden_ray_offset(ray, h), loden_ray_z(ray, h));
         again = each;
+        folded = false;
+        last = vec2(0.0);
       }
     } while (left > 0);
     ++anchor;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "importer/bake/bake_scene.h"
+#include "importer/bake/geometry_fit.h"
 #include "importer/base/random.h"
 #include "importer/tile/charts.h"
 #include "importer/tile/local_brdf.h"
@@ -146,23 +147,26 @@ Image bakeGeometry(const BakeScene& scene) {
   const Tile& tile = scene.tracer.tile();
   const auto located = locateParams(tile, side, glm::dvec2(0.5));
   const auto beyond = extendParams(tile, side, kContinuation);
-  Image image{side, side, 4, std::vector<float>(size_t(side) * size_t(side) * 4)};
-  const auto store = [&](size_t t, const glm::dvec3& position, const glm::dvec2& p, uint16_t chart) {
-    image.pixels[4 * t + 0] = float(position.x - p.x);
-    image.pixels[4 * t + 1] = float(position.y - p.y);
-    image.pixels[4 * t + 2] = float(position.z);
-    image.pixels[4 * t + 3] = float(chart);
-  };
-  for (size_t t = 0; t < located.size(); ++t) {
+  const size_t texels = located.size();
+  std::vector<glm::dvec3> displacements(texels);
+  std::vector<uint16_t> charts(texels, 0);
+  for (size_t t = 0; t < texels; ++t) {
     if (located[t].covered()) {
       const TileHit hit = scene.tracer.pointOn(located[t].triangle, glm::dvec2(located[t].b));
-      store(t, hit.position, hit.p, tile.charts[located[t].triangle]);
+      displacements[t] = hit.position - glm::dvec3(hit.p, 0);
+      charts[t] = tile.charts[located[t].triangle];
     } else if (beyond[t].exists()) {
       const uint32_t triangle = beyond[t].triangle;
       const glm::dvec2 p = scene.tracer.pointOn(triangle, beyond[t].b).p;
-      store(t, continuedPosition(scene.tracer, beyond[t], side), p,
-            beyond[t].distance <= kMargin ? tile.charts[triangle] : uint16_t(0));
+      displacements[t] = continuedPosition(scene.tracer, beyond[t], side) - glm::dvec3(p, 0);
+      if (beyond[t].distance <= kMargin) charts[t] = tile.charts[triangle];
     }
+  }
+  fitPatches(tile, side, -scene.tracer.zMin(), charts, displacements);
+  Image image{side, side, 4, std::vector<float>(texels * 4)};
+  for (size_t t = 0; t < texels; ++t) {
+    for (int c = 0; c < 3; ++c) image.pixels[4 * t + size_t(c)] = float(displacements[t][c]);
+    image.pixels[4 * t + 3] = float(charts[t]);
   }
   return image;
 }

@@ -43,7 +43,7 @@ namespace loden::importer {
 class RepairLog;
 
 // The revision of the bake code. It is raised when the same tile and options give other pixels than before.
-inline constexpr int kBakeRevision = 5;
+inline constexpr int kBakeRevision = 6;
 
 struct BakeManifest {
   int revision = kBakeRevision;

@@ -11,7 +11,7 @@
 namespace loden {
 namespace {
 
-constexpr int kVolumeSide = 32, kVolumeDepth = 8;
+constexpr int kVolumeSide = 40, kVolumeDepth = 10;
 
 // Neighbouring texels so many periods apart in x or y are a tear in a damaged image, not surface.
 constexpr double kTear = 0.5;
@@ -200,7 +200,7 @@ int columnCell(double at) {
   return static_cast<int>(std::floor(at * kVolumeSide));
 }
 size_t column(int x, int y) {
-  return size_t(y & (kVolumeSide - 1)) * kVolumeSide + size_t(x & (kVolumeSide - 1));
+  return size_t(wrapIndex(y, kVolumeSide)) * kVolumeSide + size_t(wrapIndex(x, kVolumeSide));
 }
 size_t columnAt(const glm::dvec3& place) {
   return column(columnCell(place.x), columnCell(place.y));
@@ -279,7 +279,7 @@ class PointColumns {
 
 Texture buildVolume(const GeometryImage& image, const ForEach& for_each) {
   Texture volume =
-      Texture::make(TexelFormat::kRG16Snorm, TextureShape::kVolume, kVolumeSide, kVolumeSide, kVolumeDepth);
+      Texture::make(TexelFormat::kRG8Unorm, TextureShape::kVolume, kVolumeSide, kVolumeSide, kVolumeDepth);
   const PointColumns points(image);
   if (points.empty()) return volume;
   for_each(kVolumeDepth * kVolumeSide, [&](int row) {
@@ -287,7 +287,8 @@ Texture buildVolume(const GeometryImage& image, const ForEach& for_each) {
     for (int x = 0; x < kVolumeSide; ++x) {
       const glm::dvec3 centre((x + 0.5) / kVolumeSide, (y + 0.5) / kVolumeSide,
                               (z + 0.5) / kVolumeDepth * image.zMin());
-      storeTexel(volume, 0, x, y, z, glm::vec4(2.0f * glm::vec2(points.nearestDisplacement(centre)), 0, 0));
+      storeTexel(volume, 0, x, y, z,
+                 glm::vec4(glm::vec2(points.nearestDisplacement(centre)) + 128.0f / 255.0f, 0, 0));
     }
   });
   return volume;
@@ -338,7 +339,7 @@ uint64_t vdimAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {
   const TexelFormat format = heights ? TexelFormat::kRG8Unorm : TexelFormat::kRGBA8Unorm;
   const uint64_t maps = vdimDepthBytes(size) + textureBytes(format, side * side, 1, 1, 1);
   return heights ? maps
-                 : maps + textureBytes(TexelFormat::kRG16Snorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
+                 : maps + textureBytes(TexelFormat::kRG8Unorm, kVolumeSide, kVolumeSide, kVolumeDepth, 1);
 }
 
 uint64_t residentAtlasBytes(const GeometryImage& image, VdimAtlasSize size) {

@@ -1,7 +1,9 @@
 // Bakes of small tiles: light, periodicity, determinism, interruption, refusals.
 #include "importer/bake/bake_scene.h"
+#include "importer/base/random.h"
 #include "importer/cook/cook.h"
 #include "importer/cook/modes.h"
+#include "importer/fit/lookup_error.h"
 #include "importer/tile/tile_tracer.h"
 #include "material/base/issues.h"
 #include "material/model/vdim.h"
@@ -64,6 +66,63 @@ TEST(Bake, GeometryImagesOfSteepHeightFieldsAreFiner) {
   EXPECT_EQ(sideOf(*builtinTile("sponge", 192), 0), 256);
   EXPECT_EQ(sideOf(*builtinTile("sponge", 192), 64), 64) << "as asked for";
   EXPECT_EQ(sideOf(*builtinTile("isba", 48), 0), 128) << "no height field";
+}
+
+// How far first hits are from those on the tile itself, in texels of 1/64 period.
+struct HitError {
+  double mean = 0;
+  double over_1_texel = 0;  // share
+};
+template <class Hit>  // of p's position by (x, wo)
+HitError hitError(const Tile& tile, const Hit& hit) {
+  constexpr int kRays = 20000;
+  const TileTracer tracer(tile);
+  HitError error;
+  for (uint64_t k = 0; k < kRays; ++k) {
+    const uint64_t seed = mixSeed(0x417, k);
+    const double z = 1 - uniform(seed, 0) * (1 - std::cos(kThetaMax));
+    const glm::dvec3 wo = directionFromSpherical({std::acos(z), 2 * kPi * uniform(seed, 1)});
+    const glm::dvec2 x(uniform(seed, 2), uniform(seed, 3));
+    const auto truth = tracer.intersectView(x, wo);
+    if (!truth) continue;
+    const double texels = 64 * periodicDistance(hit(x, wo), glm::dvec2(truth->position));
+    error.mean += texels / kRays, error.over_1_texel += (texels > 1) / double(kRays);
+  }
+  return error;
+}
+
+GeometryImage geometryImageOf(const Tile& tile) {
+  const TemporaryFolder folder;
+  BakeOptions options = smallBake();
+  options.maps = {.btf = false, .flat = false, .vdim = false, .surface = true};
+  options.geometry_size = 128;
+  return *geometryOf(baked(tile, folder.path(), options), 0);
+}
+
+// Patches between points of a convex surface lie inside of it, and cut its edges off.
+TEST(Bake, PatchesOfTheGeometryImageLieOnTheSurfaceInTheMean) {
+  const Tile tile = *builtinTile("isba", 192);
+  const GeometryImage image = geometryImageOf(tile);
+  const GeometryTracer patches(image);
+  const HitError error = hitError(tile, [&](const glm::dvec2& x, const glm::dvec3& wo) {
+    const auto found = patches.traceView(x, wo);
+    return found ? glm::dvec2(found->position) : x;
+  });
+  EXPECT_LT(error.mean, 0.06) << "texels on the surface have .09";
+  EXPECT_LT(error.over_1_texel, 0.004) << "texels on the surface have .6 %";
+}
+
+// Many rays meet a chart near its silhouette, beyond which another one is.
+TEST(Bake, LookupsFindTheChartsOfYarns) {
+  const Tile tile = *builtinTile("weave", 192);
+  const GeometryImage image = geometryImageOf(tile);
+  const VdimAtlas atlas = buildVdimAtlas(image, {});
+  for (const auto& [lookup, most] : {std::pair{Lookup::kDefault, 0.025}, {Lookup::kFast, 0.032}}) {
+    const HitError error = hitError(tile, [&](const glm::dvec2& x, const glm::dvec3& wo) {
+      return glm::dvec2(surfaceAt(image, vdimLookup({.atlas = &atlas}, lookup, x, wo).p).position);
+    });
+    EXPECT_LT(error.over_1_texel, most) << lookupName(lookup);
+  }
 }
 
 TEST(Bake, ConcentricVdim_HoldsDepthsOfTheFirstHitOnTheRuntimesGrid) {

@@ -51,11 +51,15 @@ LodenEffort loden_effort_over(LodenEffort effort, float lambda) {
 #define LODEN_EFFORT LODEN_EFFORT_DEFAULT
 #endif
 
-const float LODEN_REACH = 3.0;               // texels that one visit may move by
-const float LODEN_BENT_RESIDUAL = 0.1;       // texels between surface and bent ray at which they meet
-const int LODEN_EACH = 6;                    // visits for each candidate depth
-const int LODEN_BENT_EACH = 6;               // the same of a bent ray, whose direction changes on the way
-const float LODEN_CLUSTER = 20.5 / 255.0;    // of the depth range
+const float LODEN_REACH = 3.0;  // texels that one visit may move by
+// Texels within which a root of a patch that faces away may be met: not LODEN_REACH itself, which is how far
+// a search that comes back from that root has gone.
+const float LODEN_NEXT_ROOT = 2.8;
+const float LODEN_BENT_RESIDUAL = 0.1;     // texels between surface and bent ray at which they meet
+const int LODEN_EACH = 6;                  // visits for each candidate depth
+const float LODEN_BACK = 0.02;             // of a step: how far the next one leads back at least, if it does
+const int LODEN_BENT_EACH = 6;             // the same of a bent ray, whose direction changes on the way
+const float LODEN_CLUSTER = 20.5 / 255.0;  // of the depth range
 const float LODEN_SEPARATION = 1.5 / 255.0;  // of the depth range
 const float LODEN_MARGIN = 15.5 / 255.0;     // of the depth range
 const float LODEN_TOUCHING = 1e-5;           // of the depth range: rounding, where a sample is on the surface
@@ -305,7 +309,7 @@ LodenVisit loden_visit(LodenViewRay ray, float h, vec2 p) {
   float c0 = side * loden_cross(q00, q01);
   float square = c1 * c1 - 4.0 * c2 * c0, root = sqrt(max(square, 0.0));
   float a = c1 > 0.0 ? -2.0 * c0 / (c1 + root) : (root - c1) / (abs(c2) > 1e-20 ? 2.0 * c2 : 1e-20);
-  bool faces = c1 > 0.0 || (square > 0.0 && abs(a - ab.x) < LODEN_REACH);
+  bool faces = c1 > 0.0 || (square > 0.0 && abs(a - ab.x) < LODEN_NEXT_ROOT);
   // A patch that faces away is of the underside of a fold: what the ray may meet there is uphill.
   vec2 rise = vec2(patch_.p10.z, patch_.p01.z) - patch_.p00.z;
   vec2 uphill = rise * (LODEN_REACH / max(max(abs(rise.x), abs(rise.y)), 1e-9));
@@ -528,7 +532,7 @@ LodenVdimHit loden_patch_lookup(LodenViewRay ray, vec2 x, LodenEffort effort) {
       again = away && (folded || below < 1.0) ? 0 : again - 1;
       folded = folded || away;
       vec2 step_ = visit.p - p;
-      last = step_ * (folded && dot(step_, last) < 0.0 ? 0.5 : 1.0);
+      last = step_ * (folded && dot(step_, last) < -LODEN_BACK * dot(last, last) ? 0.5 : 1.0);
       p = p + last;
       h = visit.h;
       float next = loden_highest_below(depths, layers, below);

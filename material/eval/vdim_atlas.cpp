@@ -11,7 +11,9 @@
 namespace loden {
 namespace {
 
-constexpr int kVolumeSide = 40, kVolumeDepth = 10;
+// The depth has no divisor in common with 255: no depth of the atlas lies on the border of two slices, where
+// rounding would decide.
+constexpr int kVolumeSide = 38, kVolumeDepth = 11;
 
 // Neighbouring texels so many periods apart in x or y are a tear in a damaged image, not surface.
 constexpr double kTear = 0.5;

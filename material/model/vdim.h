@@ -55,7 +55,7 @@ struct VdimAtlas {
   // texels x texels x directions^2 layers, R8 unorm: z of the first hit = (code - 1) * geometry.range.z.
   // Layer v * directions + u is the direction at square ((u + .5), (v + .5)) / directions (vdimDirection).
   Texture depth;
-  // 40 x 40 x 10 volume over [0,1)^2 x [0, -range.z] (z slice 0 is the top), RG8 unorm: p - X.xy, wrapped
+  // 38 x 38 x 11 volume over [0,1)^2 x [0, -range.z] (z slice 0 is the top), RG8 unorm: p - X.xy, wrapped
   // into [-.5, .5], plus 128 / 255, of the surface point nearest to the voxel's centre, but for undersides.
   // Empty on identity parameterizations.
   Texture volume;

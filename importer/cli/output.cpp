@@ -143,7 +143,8 @@ Result<std::vector<double>> parseNumbers(const std::string& option, const std::s
     ++at;
   }
   if (*at || numbers.size() != count)
-    return badOption(option, text, std::to_string(count) + " numbers with commas between");
+    return badOption(option, text,
+                     count == 1 ? "a number" : std::to_string(count) + " numbers with commas between");
   return numbers;
 }
 

@@ -26,7 +26,8 @@ class PackCommand : public Command {
     options.text("--period", period_,
                  "Length of a tile on the material's surfaces, as in 2cm, measured by their texture "
                  "coordinates; default: the asset's own (bake --period), else one tile per unit");
-    options.text("--scale", scale_, "Instead: repetitions per unit of texture coordinate, SX,SY");
+    options.text("--scale", scale_,
+                 "Instead: repetitions per unit of texture coordinate, SX,SY or one for both");
     options.number("--rotation", rotation_, "Degrees, as in KHR_texture_transform");
     options.flag("--fit-fallback", pack_.fit_fallback,
                  "Replace the material's own look by the asset's colours, normals and sheen for viewers "
@@ -75,9 +76,10 @@ class PackCommand : public Command {
       pack_.period = *period;
     }
     if (scale_.empty()) return {};
-    const auto scale = parseNumbers("--scale", scale_, 2);
+    const bool both_axes = scale_.find(',') == std::string::npos;
+    const auto scale = parseNumbers("--scale", scale_, both_axes ? 1 : 2);
     if (!scale) return scale.issue();
-    pack_.scale = glm::dvec2((*scale)[0], (*scale)[1]);
+    pack_.scale = glm::dvec2(scale->front(), scale->back());
     return {};
   }
 

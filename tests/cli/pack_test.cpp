@@ -82,6 +82,21 @@ TEST(Pack, ByUri_KeepsEverythingElse) {
   EXPECT_EQ(loden({"validate", scratch / "packed.gltf"}).exit_code, 0);
 }
 
+TEST(Pack, OneScale_StandsForBothAxes) {
+  const ScratchFolder scratch;
+  writeScene(scratch.path());
+  const ToolRun run = packTo(scratch, "packed.gltf", {"--scale", "4"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json packed = Json::parse(fileText(scratch / "packed.gltf"));
+  EXPECT_EQ(packed["materials"][0]["extensions"][kExtension]["scale"], Json({4.0, 4.0}));
+
+  for (const std::string wrong : {"four", "4,", "4,4,4"}) {
+    const ToolRun refused = packTo(scratch, "refused.gltf", {"--scale", wrong});
+    EXPECT_EQ(refused.exit_code, 1) << wrong << ": " << refused.err;
+    EXPECT_NE(refused.err.find("--scale"), std::string::npos) << refused.err;
+  }
+}
+
 TEST(Pack, ByPeriod_MeasuresTheTextureCoordinates) {
   const ScratchFolder scratch;
   writeScene(scratch.path());
